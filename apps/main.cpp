@@ -1,0 +1,29 @@
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+
+#include "apps/commands.h"
+#include "dkp_slam/version.h"
+
+namespace {
+
+constexpr int exit_failure = 1;
+constexpr int exit_usage = 2;
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program("Visual SLAM for rooms with people in them: colour and depth images in, camera "
+                   "trajectory and a map of the static world out.", "dkp-slam");
+  program.set_version_flag("--version", DKP_SLAM_VERSION);
+  program.require_subcommand(1);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? 0 : exit_usage;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "dkp-slam: %s\n", error.what());
+    return exit_failure;
+  }
+  return 0;
+}
