@@ -1,0 +1,183 @@
+#include "dkp_slam/sensor/camera_config.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <vector>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "dkp_slam/error.h"
+
+namespace dkp_slam {
+namespace {
+
+const std::vector<std::string> required_keys = {"width", "height", "fx",         "fy",
+                                                "cx",    "cy",     "depth_scale"};
+
+/// One map of the file, whose fields must each be asked for by name.
+class Fields {
+ public:
+  Fields(const std::string& path, const YAML::Node& map, std::vector<std::string> valid_keys,
+         const std::string& prefix = "")
+      : path_(path), prefix_(prefix) {
+    if (!map.IsMap()) fail(map.Mark().line, "expected lines of the form \"key: value\"");
+    for (const auto& item : map) {
+      const std::string key = item.first.as<std::string>();
+      const int line = item.first.Mark().line;
+      if (std::find(valid_keys.begin(), valid_keys.end(), key) == valid_keys.end()) {
+        fail(line, fmt::format("unknown key {}{}; valid keys are {}", prefix_, key,
+                               fmt::join(valid_keys, ", ")));
+      }
+      if (const auto [first, added] = nodes_.emplace(key, item.second); !added) {
+        fail(line, fmt::format("{}{} was set before on line {}; keep one of them", prefix_, key,
+                               first->second.Mark().line + 1));
+      }
+      lines_[key] = line;
+    }
+  }
+
+  bool has(const std::string& key) const { return nodes_.count(key) != 0; }
+  const YAML::Node& node(const std::string& key) const { return nodes_.at(key); }
+
+  /// Leaves `value` as it is when the key is absent.
+  void get(const std::string& key, double* value) const {
+    if (has(key)) *value = number(key, node(key));
+  }
+  void get(const std::string& key, int* value) const {
+    if (!has(key)) return;
+    if (!node(key).IsScalar() || !YAML::convert<int>::decode(node(key), *value)) {
+      fail(key, "must be a whole number");
+    }
+  }
+  void get(const std::string& key, std::string* value) const {
+    if (!has(key)) return;
+    if (!node(key).IsScalar()) fail(key, "must be text");
+    *value = node(key).Scalar();
+  }
+
+  double number(const std::string& key, const YAML::Node& scalar) const {
+    double value = 0.0;
+    if (!scalar.IsScalar() || !YAML::convert<double>::decode(scalar, value)) {
+      fail(key, scalar.IsScalar() ? fmt::format("must be a number, not \"{}\"", scalar.Scalar())
+                                  : "must be a number");
+    }
+    if (!std::isfinite(value)) fail(key, "must be finite, not " + scalar.Scalar());
+    return value;
+  }
+
+  [[noreturn]] void fail(const std::string& key, const std::string& what) const {
+    const auto line = lines_.find(key);
+    fail(line == lines_.end() ? 0 : line->second, fmt::format("{}{}: {}", prefix_, key, what));
+  }
+  [[noreturn]] void fail(int line, const std::string& what) const {
+    throw Error(fmt::format("{}:{}: {}", path_, std::max(line, 0) + 1, what));
+  }
+
+ private:
+  std::string path_;
+  std::string prefix_;
+  std::map<std::string, YAML::Node> nodes_;
+  std::map<std::string, int> lines_;  ///< from 0
+};
+
+Distortion read_distortion(const Fields& fields) {
+  constexpr std::size_t coefficients = 5;
+  const YAML::Node& node = fields.node("distortion");
+  if (!node.IsSequence() || node.size() != coefficients) {
+    fields.fail("distortion", "must be five numbers, [k1, k2, p1, p2, k3]; 0 for those unknown");
+  }
+  std::array<double, coefficients> values{};
+  for (std::size_t i = 0; i < coefficients; ++i) {
+    values[i] = fields.number("distortion", node[i]);
+  }
+  return {values[0], values[1], values[2], values[3], values[4]};
+}
+
+YAML::Node parse_file(const std::string& path) {
+  if (std::filesystem::is_directory(path)) {
+    throw Error(path + ": is a folder; give the camera's YAML file");
+  }
+  try {
+    return YAML::LoadFile(path);
+  } catch (const YAML::BadFile&) {
+    throw Error(path + ": cannot read the camera file; check the path");
+  } catch (const YAML::Exception& error) {
+    throw Error(fmt::format("{}:{}: not valid YAML: {}", path, error.mark.line + 1, error.msg));
+  }
+}
+
+}  // namespace
+
+Camera load_camera(const std::string& path) {
+  const Fields fields(
+      path, parse_file(path),
+      {"name", "width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale", "min_depth",
+       "max_depth", "baseline", "frame_rate", "depth_noise"});
+  for (const std::string& key : required_keys) {
+    if (!fields.has(key)) throw Error(fmt::format("{}: {} is missing; add it", path, key));
+  }
+  Camera camera;
+  fields.get("name", &camera.name);
+  fields.get("width", &camera.width);
+  fields.get("height", &camera.height);
+  fields.get("fx", &camera.fx);
+  fields.get("fy", &camera.fy);
+  fields.get("cx", &camera.cx);
+  fields.get("cy", &camera.cy);
+  if (fields.has("distortion")) camera.distortion = read_distortion(fields);
+  fields.get("depth_scale", &camera.depth_scale);
+  fields.get("min_depth", &camera.min_depth);
+  fields.get("max_depth", &camera.max_depth);
+  fields.get("baseline", &camera.baseline);
+  fields.get("frame_rate", &camera.frame_rate);
+  if (fields.has("depth_noise")) {
+    const Fields noise(path, fields.node("depth_noise"), {"constant", "quadratic"}, "depth_noise.");
+    noise.get("constant", &camera.depth_noise.constant);
+    noise.get("quadratic", &camera.depth_noise.quadratic);
+  }
+  if (const auto reason = camera.check()) {
+    // The reason begins with the field's name, which gives the line.
+    const std::string key = reason->substr(0, reason->find(' '));
+    fields.fail(key, *reason);
+  }
+  return camera;
+}
+
+void save_camera(const Camera& camera, const std::string& path) {
+  const Distortion& d = camera.distortion;
+  std::string text;
+  const auto line = [&text](const std::string& item, const char* comment) {
+    text += fmt::format("{:<34} # {}\n", item, comment);
+  };
+  YAML::Emitter name;
+  name << YAML::DoubleQuoted << camera.name;
+  line(fmt::format("name: {}", name.c_str()), "for reports");
+  line(fmt::format("width: {}", camera.width), "pixels");
+  line(fmt::format("height: {}", camera.height), "pixels");
+  line(fmt::format("fx: {}", camera.fx), "pixels, focal length");
+  line(fmt::format("fy: {}", camera.fy), "pixels");
+  line(fmt::format("cx: {}", camera.cx),
+       "pixels, principal point; top left pixel's centre is 0, 0");
+  line(fmt::format("cy: {}", camera.cy), "pixels");
+  line(fmt::format("distortion: [{}, {}, {}, {}, {}]", d.k1, d.k2, d.p1, d.p2, d.k3),
+       "k1, k2, p1, p2, k3 as in OpenCV");
+  line(fmt::format("depth_scale: {}", camera.depth_scale), "depth image units per metre");
+  line(fmt::format("min_depth: {}", camera.min_depth), "metres; nearer readings are unknown");
+  line(fmt::format("max_depth: {}", camera.max_depth), "metres; farther readings are unknown");
+  line(fmt::format("baseline: {}", camera.baseline), "metres, of the virtual right camera");
+  line(fmt::format("frame_rate: {}", camera.frame_rate), "colour images per second");
+  text += "depth_noise:\n";
+  line(fmt::format("  constant: {}", camera.depth_noise.constant), "metres");
+  line(fmt::format("  quadratic: {}", camera.depth_noise.quadratic), "1/metre");
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (!file) throw Error(path + ": cannot write the camera file");
+}
+
+}  // namespace dkp_slam
