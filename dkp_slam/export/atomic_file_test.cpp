@@ -1,0 +1,91 @@
+#include "dkp_slam/export/atomic_file.h"
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dkp_slam/error.h"
+
+namespace dkp_slam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class AtomicFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              (std::string("atomic_file_") +
+               testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static std::string content(const fs::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  std::size_t files() const {
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+};
+
+template <typename Action>
+std::string message_of(Action action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST_F(AtomicFile, ReplacesTheOldContentAndLeavesNoTemporaryFile) {
+  const fs::path path = folder_ / "a.txt";
+  write_file_atomically(path, "a longer first content");
+  write_file_atomically(path, "second");
+  EXPECT_EQ(content(path), "second");
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(AtomicFile, KeepsASymbolicLinkAndReplacesItsTarget) {
+  write_file_atomically(folder_ / "target", "old");
+  fs::create_symlink("target", folder_ / "link");
+  write_file_atomically(folder_ / "link", "new");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  EXPECT_EQ(content(folder_ / "target"), "new");
+}
+
+TEST_F(AtomicFile, WritesIntoADeviceWithoutReplacingIt) {
+  check_writable("/dev/null");
+  write_file_atomically("/dev/null", "gone");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(AtomicFile, NamesThePlaceAndTheReasonWhenItCannotWrite) {
+  const fs::path lost = folder_ / "no" / "a.txt";
+  EXPECT_THAT(message_of([&] { check_writable(lost); }),
+              testing::AllOf(HasSubstr(lost.string()), HasSubstr("does not exist")));
+  EXPECT_THAT(message_of([&] { write_file_atomically(lost, "x"); }), HasSubstr("does not exist"));
+  EXPECT_THAT(message_of([&] { check_writable(folder_); }), HasSubstr("is a folder"));
+}
+
+TEST_F(AtomicFile, ChecksWithoutLeavingOrTouchingAnything) {
+  const fs::path path = folder_ / "a.txt";
+  check_writable(path);
+  EXPECT_EQ(files(), 0U);
+  write_file_atomically(path, "kept");
+  check_writable(path);
+  EXPECT_EQ(content(path), "kept");
+}
+
+}  // namespace
+}  // namespace dkp_slam
