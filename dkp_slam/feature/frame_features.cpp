@@ -1,0 +1,93 @@
+#include "dkp_slam/feature/frame_features.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dkp_slam {
+namespace {
+
+/// Depth at a raw pixel: nearest reading, which does not mix the two sides of an edge.
+float depth_at(const cv::Mat& depth, const cv::Point2f& pixel) {
+  const int u = std::clamp(cvRound(pixel.x), 0, depth.cols - 1);
+  const int v = std::clamp(cvRound(pixel.y), 0, depth.rows - 1);
+  return depth.at<float>(v, u);
+}
+
+template <class T>
+std::vector<T> selected(const std::vector<T>& all, const std::vector<char>& keep) {
+  std::vector<T> out;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (keep[i]) out.push_back(all[i]);
+  }
+  return out;
+}
+
+}  // namespace
+
+FrameFeatures::FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth_image,
+                             const Camera& camera)
+    : descriptor(orb.descriptors),
+      columns_(camera.width / cell + 1),
+      rows_(camera.height / cell + 1) {
+  raw_pixel.reserve(orb.keypoints.size());
+  for (const cv::KeyPoint& k : orb.keypoints) {
+    raw_pixel.push_back(k.pt);
+    depth.push_back(depth_at(depth_image, k.pt));
+    level.push_back(static_cast<std::uint8_t>(k.octave));
+    angle.push_back(k.angle);
+  }
+  pixel = camera.undistort(raw_pixel);
+  build_grid();
+}
+
+FrameFeatures FrameFeatures::subset(const std::vector<char>& keep) const {
+  FrameFeatures out;
+  out.pixel = selected(pixel, keep);
+  out.raw_pixel = selected(raw_pixel, keep);
+  out.depth = selected(depth, keep);
+  out.level = selected(level, keep);
+  out.angle = selected(angle, keep);
+  out.descriptor = selected(descriptor, keep);
+  out.columns_ = columns_;
+  out.rows_ = rows_;
+  out.build_grid();
+  return out;
+}
+
+void FrameFeatures::build_grid() {
+  const auto cell_of = [&](const cv::Point2f& p) {
+    const int c = std::clamp(static_cast<int>(p.x) / cell, 0, columns_ - 1);
+    const int r = std::clamp(static_cast<int>(p.y) / cell, 0, rows_ - 1);
+    return static_cast<std::size_t>(r * columns_ + c);
+  };
+  cell_start_.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
+  for (const cv::Point2f& p : pixel) ++cell_start_[cell_of(p) + 1];
+  for (std::size_t i = 1; i < cell_start_.size(); ++i) cell_start_[i] += cell_start_[i - 1];
+  cell_members_.resize(pixel.size());
+  std::vector<std::int32_t> next(cell_start_.begin(), cell_start_.end() - 1);
+  for (std::size_t i = 0; i < pixel.size(); ++i) {
+    cell_members_[static_cast<std::size_t>(next[cell_of(pixel[i])]++)] = static_cast<std::int32_t>(i);
+  }
+}
+
+void FrameFeatures::find(const cv::Point2f& centre, float radius, int lowest_level,
+                         int highest_level, std::vector<int>& out) const {
+  out.clear();
+  const int c0 = std::clamp(static_cast<int>(std::floor((centre.x - radius) / cell)), 0, columns_ - 1);
+  const int c1 = std::clamp(static_cast<int>(std::floor((centre.x + radius) / cell)), 0, columns_ - 1);
+  const int r0 = std::clamp(static_cast<int>(std::floor((centre.y - radius) / cell)), 0, rows_ - 1);
+  const int r1 = std::clamp(static_cast<int>(std::floor((centre.y + radius) / cell)), 0, rows_ - 1);
+  for (int r = r0; r <= r1; ++r) {
+    const auto first = static_cast<std::size_t>(r * columns_ + c0);
+    const auto last = static_cast<std::size_t>(r * columns_ + c1);
+    for (std::int32_t k = cell_start_[first]; k < cell_start_[last + 1]; ++k) {
+      const int i = cell_members_[static_cast<std::size_t>(k)];
+      const auto s = static_cast<std::size_t>(i);
+      if (level[s] < lowest_level || level[s] > highest_level) continue;
+      if (std::abs(pixel[s].x - centre.x) > radius || std::abs(pixel[s].y - centre.y) > radius) continue;
+      out.push_back(i);
+    }
+  }
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,136 @@
+#include "dkp_slam/feature/orb_extractor.h"
+
+#include <cmath>
+#include <cstring>
+
+#include <opencv2/imgproc.hpp>
+
+namespace dkp_slam {
+namespace {
+
+constexpr int patch_radius = 15;  // pixels of a level, of the orientation and descriptor patch
+constexpr int border = 16;        // pixels of a level without corners: the patch must fit
+constexpr int cell_size = 35;     // pixels of a level; a cell without a corner is searched again
+
+std::vector<int> circle_rows(int radius) {
+  std::vector<int> half_width(static_cast<std::size_t>(radius) + 1);
+  for (int v = 0; v <= radius; ++v) {
+    half_width[static_cast<std::size_t>(v)] =
+        static_cast<int>(std::lround(std::sqrt(double(radius * radius - v * v))));
+  }
+  return half_width;
+}
+
+/// Corners of the cells of `image` that `found` leaves empty, at the lower threshold.
+void search_empty_cells(const cv::Mat& image, int threshold, std::vector<cv::KeyPoint>& found) {
+  const int columns = std::max(1, image.cols / cell_size);
+  const int rows = std::max(1, image.rows / cell_size);
+  std::vector<char> filled(static_cast<std::size_t>(columns * rows), 0);
+  const auto cell_of = [&](const cv::Point2f& p) {
+    const int c = std::min(columns - 1, static_cast<int>(p.x) * columns / image.cols);
+    const int r = std::min(rows - 1, static_cast<int>(p.y) * rows / image.rows);
+    return static_cast<std::size_t>(r * columns + c);
+  };
+  for (const cv::KeyPoint& k : found) filled[cell_of(k.pt)] = 1;
+  std::vector<cv::KeyPoint> weak;
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < columns; ++c) {
+      if (filled[static_cast<std::size_t>(r * columns + c)]) continue;
+      // FAST needs three pixels around a corner: cells overlap by that.
+      const cv::Rect cell = cv::Rect(cv::Point(c * image.cols / columns - 3, r * image.rows / rows - 3),
+                                     cv::Point((c + 1) * image.cols / columns + 3,
+                                               (r + 1) * image.rows / rows + 3)) &
+                            cv::Rect(0, 0, image.cols, image.rows);
+      cv::FAST(image(cell), weak, threshold, true);
+      for (cv::KeyPoint& k : weak) {
+        k.pt += cv::Point2f(cell.tl());
+        found.push_back(k);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+OrbExtractor::OrbExtractor(const OrbOptions& options)
+    : options_(options), patch_row_half_width_(circle_rows(patch_radius)) {
+  const double inverse = 1.0 / options.scale;
+  double share = options.features * (1.0 - inverse) / (1.0 - std::pow(inverse, options.levels));
+  float scale = 1.0F;
+  for (int level = 0; level < options.levels; ++level) {
+    scales_.push_back(scale);
+    wanted_per_level_.push_back(static_cast<int>(std::lround(share)));
+    scale *= options.scale;
+    share *= inverse;
+  }
+  describer_ = cv::ORB::create(options.features, options.scale, options.levels, border, 0, 2,
+                               cv::ORB::HARRIS_SCORE, 2 * patch_radius + 1);
+}
+
+OrbFeatures OrbExtractor::extract(const cv::Mat& grey) {
+  CV_Assert(grey.type() == CV_8UC1);
+  OrbFeatures out;
+  cv::Mat image = grey;
+  for (int level = 0; level < options_.levels; ++level) {
+    const float scale = scales_[static_cast<std::size_t>(level)];
+    if (level > 0) {
+      cv::Mat smaller;
+      cv::resize(image, smaller,
+                 cv::Size(cvRound(grey.cols / scale), cvRound(grey.rows / scale)), 0, 0,
+                 cv::INTER_LINEAR);
+      image = smaller;
+    }
+    if (image.cols <= 2 * border || image.rows <= 2 * border) break;
+    std::vector<cv::KeyPoint> found =
+        detect_level(image, wanted_per_level_[static_cast<std::size_t>(level)]);
+    add_angles(image, found);
+    for (cv::KeyPoint& k : found) {
+      k.pt *= scale;
+      k.octave = level;
+      k.size = scale * (2 * patch_radius + 1);
+      out.keypoints.push_back(k);
+    }
+  }
+  cv::Mat rows;
+  describer_->compute(grey, out.keypoints, rows);
+  out.descriptors.resize(out.keypoints.size());
+  for (std::size_t i = 0; i < out.descriptors.size(); ++i) {
+    std::memcpy(out.descriptors[i].data(), rows.ptr(static_cast<int>(i)), sizeof(Descriptor));
+  }
+  return out;
+}
+
+std::vector<cv::KeyPoint> OrbExtractor::detect_level(const cv::Mat& image, int wanted) const {
+  // FAST itself skips three pixels at the edge of what it is given.
+  const cv::Rect inner(border - 3, border - 3, image.cols - 2 * border + 6,
+                       image.rows - 2 * border + 6);
+  std::vector<cv::KeyPoint> corners;
+  cv::FAST(image(inner), corners, options_.fast_threshold, true);
+  search_empty_cells(image(inner), options_.fast_low_threshold, corners);
+  corners = spread_by_quadtree(corners, cv::Rect2f(0, 0, inner.width, inner.height), wanted);
+  for (cv::KeyPoint& k : corners) k.pt += cv::Point2f(inner.tl());
+  return corners;
+}
+
+void OrbExtractor::add_angles(const cv::Mat& image, std::vector<cv::KeyPoint>& keypoints) const {
+  const auto step = static_cast<std::ptrdiff_t>(image.step1());
+  for (cv::KeyPoint& k : keypoints) {
+    const uchar* centre = image.ptr<uchar>(cvRound(k.pt.y)) + cvRound(k.pt.x);
+    int m10 = 0, m01 = 0;
+    for (int u = -patch_radius; u <= patch_radius; ++u) m10 += u * centre[u];
+    for (int v = 1; v <= patch_radius; ++v) {
+      const int half = patch_row_half_width_[static_cast<std::size_t>(v)];
+      const uchar* above = centre - v * step;
+      const uchar* below = centre + v * step;
+      int difference = 0;
+      for (int u = -half; u <= half; ++u) {
+        difference += below[u] - above[u];
+        m10 += u * (below[u] + above[u]);
+      }
+      m01 += v * difference;
+    }
+    k.angle = cv::fastAtan2(static_cast<float>(m01), static_cast<float>(m10));
+  }
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/features2d.hpp>
+
+#include "dkp_slam/feature/descriptor.h"
+
+namespace dkp_slam {
+
+struct OrbOptions {
+  int features = 1000;    ///< per image, as ORB-SLAM3's RGB-D settings for the TUM sequences
+  int levels = 8;         ///< of the image pyramid
+  float scale = 1.2F;     ///< between two levels
+  int fast_threshold = 20;      ///< grey levels
+  int fast_low_threshold = 7;   ///< where a cell shows no corner at the first
+};
+
+/// ORB features of one image.
+struct OrbFeatures {
+  /// Raw pixels of the full-size image, angle in degrees, octave = pyramid level, ordered by level.
+  std::vector<cv::KeyPoint> keypoints;
+  std::vector<Descriptor> descriptors;  ///< one per keypoint
+};
+
+/// ORB (Rublee et al. 2011) with corners spread over the image by a quad-tree, as ORB-SLAM does
+/// (Mur-Artal et al. 2015, §V): FAST in each pyramid level, at a lower threshold where a cell stays
+/// empty, the strongest corner of each of the tree's leaves, intensity-centroid orientation, and
+/// OpenCV's steered BRIEF.
+class OrbExtractor {
+ public:
+  explicit OrbExtractor(const OrbOptions& options = {});
+
+  /// `grey`: CV_8UC1. Deterministic.
+  OrbFeatures extract(const cv::Mat& grey);
+
+  const OrbOptions& options() const { return options_; }
+  /// Side length of a pixel of a level in pixels of the full image.
+  float scale_of(int level) const { return scales_[static_cast<std::size_t>(level)]; }
+
+ private:
+  std::vector<cv::KeyPoint> detect_level(const cv::Mat& image, int wanted) const;
+  void add_angles(const cv::Mat& image, std::vector<cv::KeyPoint>& keypoints) const;
+
+  OrbOptions options_;
+  std::vector<float> scales_;
+  std::vector<int> wanted_per_level_;
+  std::vector<int> patch_row_half_width_;
+  cv::Ptr<cv::ORB> describer_;
+};
+
+/// Keeps at most about `wanted` keypoints, the strongest of each leaf of a quad-tree over `area`
+/// (x, y, width, height in the keypoints' own pixels), so that they spread evenly.
+std::vector<cv::KeyPoint> spread_by_quadtree(const std::vector<cv::KeyPoint>& keypoints,
+                                             const cv::Rect2f& area, int wanted);
+
+}  // namespace dkp_slam

@@ -1,0 +1,81 @@
+#include "dkp_slam/feature/orb_extractor.h"
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+namespace dkp_slam {
+namespace {
+
+cv::Mat texture(unsigned seed) {
+  cv::RNG random(seed);
+  cv::Mat image(480, 640, CV_8UC1);
+  random.fill(image, cv::RNG::UNIFORM, 0, 255);
+  cv::GaussianBlur(image, image, {}, 2.0);
+  cv::normalize(image, image, 0, 255, cv::NORM_MINMAX);
+  return image;
+}
+
+TEST(OrbExtractor, FindsAboutTheNumberAskedForAndSpreadsThem) {
+  OrbExtractor extractor;
+  const OrbFeatures features = extractor.extract(texture(1));
+  EXPECT_NEAR(static_cast<double>(features.keypoints.size()), 1000.0, 60.0);
+  ASSERT_EQ(features.keypoints.size(), features.descriptors.size());
+  std::vector<int> per_cell(16, 0);
+  for (const cv::KeyPoint& k : features.keypoints) {
+    ++per_cell[static_cast<int>(k.pt.y) / 120 * 4 + static_cast<int>(k.pt.x) / 160];
+  }
+  for (int n : per_cell) EXPECT_GT(n, 30);
+}
+
+TEST(OrbExtractor, WeakTextureBesideStrongGetsItsShare) {
+  cv::Mat image = texture(2);
+  cv::Mat left = image.colRange(0, 320);
+  left = left * 0.12 + 100;  // contrast under the first threshold
+  OrbExtractor extractor;
+  int weak = 0;
+  for (const cv::KeyPoint& k : extractor.extract(image).keypoints) weak += k.pt.x < 310;
+  EXPECT_GT(weak, 130);
+}
+
+TEST(OrbExtractor, FollowsAShiftAndARightAngle) {
+  const cv::Mat image = texture(3);
+  cv::Mat turned;
+  cv::rotate(image, turned, cv::ROTATE_90_CLOCKWISE);
+  OrbExtractor extractor;
+  const OrbFeatures a = extractor.extract(image), b = extractor.extract(turned);
+  int close = 0, right = 0;
+  for (std::size_t i = 0; i < a.keypoints.size(); ++i) {
+    const NearestTwo match = nearest_two(a.descriptors[i], b.descriptors);
+    if (match.best_distance > 40) continue;
+    ++close;
+    const cv::Point2f p = a.keypoints[i].pt, q = b.keypoints[match.best].pt;
+    right += cv::norm(q - cv::Point2f(479 - p.y, p.x)) < 3.0;
+  }
+  EXPECT_GT(close, 300);
+  EXPECT_GT(right, 0.95 * close);
+}
+
+TEST(OrbExtractor, SameImageSameFeatures) {
+  OrbExtractor one, two;
+  const OrbFeatures a = one.extract(texture(4)), b = two.extract(texture(4));
+  ASSERT_EQ(a.keypoints.size(), b.keypoints.size());
+  EXPECT_EQ(a.descriptors, b.descriptors);
+}
+
+TEST(OrbExtractor, FlatImageHasNoFeatures) {
+  OrbExtractor extractor;
+  EXPECT_TRUE(extractor.extract(cv::Mat(480, 640, CV_8UC1, cv::Scalar(128))).keypoints.empty());
+}
+
+TEST(SpreadByQuadtree, KeepsTheStrongestOfAClump) {
+  std::vector<cv::KeyPoint> keypoints;
+  for (int i = 0; i < 100; ++i) keypoints.emplace_back(10.0F + 0.01F * i, 10.0F, 7.0F, -1.0F, float(i));
+  keypoints.emplace_back(90.0F, 90.0F, 7.0F, -1.0F, 1.0F);
+  const auto kept = spread_by_quadtree(keypoints, {0, 0, 100, 100}, 2);
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_FLOAT_EQ(std::max(kept[0].response, kept[1].response), 99.0F);
+  EXPECT_FLOAT_EQ(std::min(kept[0].response, kept[1].response), 1.0F);
+}
+
+}  // namespace
+}  // namespace dkp_slam
