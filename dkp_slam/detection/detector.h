@@ -13,10 +13,11 @@ namespace dkp_slam {
 
 /// One detected object.
 struct Detection {
-  cv::Rect2f box;          ///< pixels of the colour image, clipped to it
-  int class_id = -1;       ///< COCO class from 0; `motion_class` for what moves and has no name
-  float score = 0.0F;      ///< 0..1
-  /// Dynamic weight W of the object's class, 1 (fixed, ignored) to 10 (a person); paper §3.5 step 2.
+  cv::Rect2f box;      ///< pixels of the colour image, clipped to it
+  int class_id = -1;   ///< COCO class from 0; `motion_class` for what moves and has no name
+  float score = 0.0F;  ///< 0..1
+  /// Dynamic weight W of the object's class, 1 (fixed, ignored) to 10 (a person); paper §3.5
+  /// step 2.
   float weight = 10.0F;
   /// CV_8UC1, size of the box (rounded outwards), 255 on the object, when the detector knows the
   /// silhouette (the motion detector does); empty when it knows a box only.

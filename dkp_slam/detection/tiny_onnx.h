@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+/// Writes small ONNX files for tests, byte by byte (protobuf wire format, onnx.proto3).
+namespace dkp_slam::tiny_onnx {
+
+inline std::string varint(std::uint64_t value) {
+  std::string bytes;
+  for (; value >= 0x80; value >>= 7) bytes += static_cast<char>(value | 0x80);
+  return bytes + static_cast<char>(value);
+}
+inline std::string number(int field, std::uint64_t value) {
+  return varint(static_cast<std::uint64_t>(field) << 3) + varint(value);
+}
+inline std::string bytes(int field, const std::string& value) {
+  return varint(static_cast<std::uint64_t>(field) << 3 | 2) + varint(value.size()) + value;
+}
+
+/// ValueInfoProto of a float tensor.
+inline std::string value_info(const std::string& name, const std::vector<std::uint64_t>& shape) {
+  std::string dimensions;
+  for (std::uint64_t d : shape) dimensions += bytes(1, number(1, d));
+  return bytes(1, name) + bytes(2, bytes(1, number(1, 1) + bytes(2, dimensions)));
+}
+/// TensorProto of int64 values in one dimension.
+inline std::string int64_tensor(const std::string& name, const std::vector<std::uint64_t>& values) {
+  std::string data;
+  for (std::uint64_t v : values) data += number(7, v);
+  return number(1, values.size()) + number(2, 7) + data + bytes(8, name);
+}
+inline std::string integers(const std::string& name, const std::vector<std::uint64_t>& values) {
+  std::string text = bytes(1, name);
+  for (std::uint64_t v : values) text += number(8, v);
+  return bytes(5, text + number(20, 7));
+}
+inline std::string node(const std::string& operation, const std::vector<std::string>& inputs,
+                        const std::string& output, const std::string& attributes = {}) {
+  std::string text;
+  for (const std::string& input : inputs) text += bytes(1, input);
+  return bytes(1, text + bytes(2, output) + bytes(3, output) + bytes(4, operation) + attributes);
+}
+
+/// A model whose output, of shape [1, rows, columns], is the start of its input (1 x 3 x `side` x
+/// `side`), in memory's order. With 85 columns and YOLOX's number of rows it passes for a YOLOX
+/// whose detections are written in the image.
+inline void write_model(const std::filesystem::path& file, std::uint64_t side, std::uint64_t rows,
+                        std::uint64_t columns) {
+  const std::string graph =
+      node("Reshape", {"image", "flat_shape"}, "flat") +
+      node("Slice", {"flat"}, "part",
+           integers("axes", {1}) + integers("starts", {0}) + integers("ends", {rows * columns})) +
+      node("Reshape", {"part", "row_shape"}, "rows") + bytes(2, "tiny") +
+      bytes(5, int64_tensor("flat_shape", {1, 3 * side * side})) +
+      bytes(5, int64_tensor("row_shape", {1, rows, columns})) +
+      bytes(11, value_info("image", {1, 3, side, side})) +
+      bytes(12, value_info("rows", {1, rows, columns}));
+  std::ofstream(file, std::ios::binary)
+      << number(1, 4) + bytes(7, graph) + bytes(8, number(2, 9));  // IR version 4, operator set 9
+}
+
+}  // namespace dkp_slam::tiny_onnx

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/detection/class_table.h"
+#include "dkp_slam/detection/detector.h"
+
+namespace dkp_slam {
+
+/// How YOLOX's official exports expect and give their numbers (YOLOX, Ge et al. 2021; its
+/// demo/ONNXRuntime): input BGR 0..255 in planes, letterboxed at the top left; output not decoded.
+namespace yolox {
+
+/// Grey that fills the letterbox, the value YOLOX was trained with.
+constexpr float padding = 114.0F;
+/// Columns of an output row: box (4), objectness (1), one score per COCO class (80).
+constexpr int row_length = 85;
+
+/// Rows of the output for an input of `size`: cells of the grids of strides 8, 16 and 32.
+int row_count(const cv::Size& size);
+
+/// Writes `image` (CV_8UC3, BGR) into `planes` (3 * height * width floats, blue plane first),
+/// resized by one factor to fit `size`, at the top left, the rest `padding`. Returns the factor
+/// (input pixels per image pixel). `scratch` keeps its memory from call to call.
+float letterbox(const cv::Mat& image, const cv::Size& size, float* planes, cv::Mat& scratch);
+
+struct DecodeOptions {
+  /// Weaker boxes are dropped. Objects are continued down to this score and started on more.
+  float lowest_score = 0.10F;
+  /// Of two boxes of one class that overlap by more than this IoU the weaker one goes. The value
+  /// of YOLOX's own demo.
+  float nms_iou = 0.45F;
+};
+
+/// Boxes of `output` (`row_count(size)` rows of `row_length` floats) in pixels of an image of
+/// `image_size` that went in scaled by `factor`, clipped to it, strongest first. A row yields one
+/// box per class of weight above 1 that reaches the lowest score; boxes of weight 1 are ignored
+/// (algorithm.md, §3.2).
+std::vector<Detection> decode(const float* output, const cv::Size& size, float factor,
+                              const cv::Size& image_size, const ClassTable& classes,
+                              const DecodeOptions& options);
+
+/// Class-aware non-maximum suppression, strongest first; equal scores keep their order.
+std::vector<Detection> suppress_overlaps(std::vector<Detection> boxes, float iou);
+
+/// Input size of a network with input shape `input` and output shape `output`; -1 stands for a
+/// free batch dimension. Throws `Error`, which names the shapes, unless they are
+/// [1, 3, H, W] with H and W fixed multiples of 32 and [1, row_count, row_length].
+cv::Size check_shapes(const std::string& model, const std::vector<std::int64_t>& input,
+                      const std::vector<std::int64_t>& output);
+
+}  // namespace yolox
+}  // namespace dkp_slam
