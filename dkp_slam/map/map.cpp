@@ -1,0 +1,187 @@
+#include "dkp_slam/map/map.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace dkp_slam {
+namespace {
+
+constexpr int least_shared = 15;  // landmarks that make two keyframes neighbours, as in ORB-SLAM
+
+}  // namespace
+
+Map::Map(const Camera& camera, float level_scale, int levels)
+    : camera_(camera), log_scale_(std::log(level_scale)) {
+  float scale = 1.0F;
+  for (int i = 0; i < levels; ++i, scale *= level_scale) scales_.push_back(scale);
+}
+
+int Map::add_keyframe(Keyframe keyframe) {
+  keyframe.id = keyframe_ids();
+  keyframes_.push_back(std::move(keyframe));
+  ++live_keyframes_;
+  Keyframe& added = keyframes_.back();
+  for (std::size_t f = 0; f < added.landmarks.size(); ++f) {
+    const int landmark_id = added.landmarks[f];
+    if (landmark_id < 0) continue;
+    landmark(landmark_id).sightings.push_back({added.id, static_cast<int>(f)});
+    refresh(landmark_id);
+  }
+  return added.id;
+}
+
+int Map::add_landmark(const Eigen::Vector3d& position, int keyframe_id, int feature) {
+  Landmark added;
+  added.id = landmark_ids();
+  added.position = position;
+  added.first_keyframe = keyframe_id;
+  landmarks_.push_back(added);
+  ++live_landmarks_;
+  add_sighting(added.id, keyframe_id, feature);
+  refresh(added.id);
+  return added.id;
+}
+
+void Map::add_sighting(int landmark_id, int keyframe_id, int feature) {
+  int& slot = keyframe(keyframe_id).landmarks[static_cast<std::size_t>(feature)];
+  assert(slot < 0 && landmark(landmark_id).feature_in(keyframe_id) < 0);
+  slot = landmark_id;
+  auto& sightings = landmark(landmark_id).sightings;
+  const auto after = std::upper_bound(sightings.begin(), sightings.end(), keyframe_id,
+                                      [](int id, const Sighting& s) { return id < s.keyframe; });
+  sightings.insert(after, {keyframe_id, feature});
+}
+
+void Map::remove_sighting(int landmark_id, int keyframe_id) {
+  Landmark& l = landmark(landmark_id);
+  const int feature = l.feature_in(keyframe_id);
+  if (feature < 0) return;
+  keyframe(keyframe_id).landmarks[static_cast<std::size_t>(feature)] = -1;
+  std::erase_if(l.sightings, [&](const Sighting& s) { return s.keyframe == keyframe_id; });
+  if (l.sightings.empty()) remove_landmark(landmark_id);
+}
+
+void Map::remove_landmark(int landmark_id) {
+  Landmark& l = landmark(landmark_id);
+  if (l.removed) return;
+  for (const Sighting& s : l.sightings) {
+    keyframe(s.keyframe).landmarks[static_cast<std::size_t>(s.feature)] = -1;
+  }
+  l.sightings.clear();
+  l.sightings.shrink_to_fit();
+  l.removed = true;
+  --live_landmarks_;
+}
+
+void Map::fuse_landmarks(int dropped, int kept) {
+  assert(dropped != kept);
+  const std::vector<Sighting> moved = landmark(dropped).sightings;
+  Landmark& target = landmark(kept);
+  target.found += landmark(dropped).found;
+  target.visible += landmark(dropped).visible;
+  target.dynamic_log_odds = std::max(target.dynamic_log_odds, landmark(dropped).dynamic_log_odds);
+  remove_landmark(dropped);
+  landmark(dropped).replaced_by = kept;
+  for (const Sighting& s : moved) {
+    if (target.feature_in(s.keyframe) < 0) add_sighting(kept, s.keyframe, s.feature);
+  }
+  refresh(kept);
+}
+
+void Map::remove_keyframe(int keyframe_id) {
+  Keyframe& k = keyframe(keyframe_id);
+  assert(k.parent >= 0 && !k.removed);
+  for (const int landmark_id : std::vector<int>(k.landmarks)) {
+    if (landmark_id >= 0) remove_sighting(landmark_id, keyframe_id);
+  }
+  for (const auto& [other, shared] : k.covisible) keyframe(other).covisible.erase(keyframe_id);
+  k.self_from_parent = k.camera_from_world * keyframe_pose(k.parent).inverse();
+  k.covisible.clear();
+  k.features = {};
+  k.landmarks = {};
+  k.removed = true;
+  --live_keyframes_;
+}
+
+int Map::resolve(int id) const {
+  while (id >= 0 && landmark(id).removed) id = landmark(id).replaced_by;
+  return id;
+}
+
+void Map::update_covisibility(int keyframe_id) {
+  std::map<int, int> shared;
+  Keyframe& k = keyframe(keyframe_id);
+  for (const int landmark_id : k.landmarks) {
+    if (landmark_id < 0) continue;
+    for (const Sighting& s : landmark(landmark_id).sightings) {
+      if (s.keyframe != keyframe_id) ++shared[s.keyframe];
+    }
+  }
+  for (const auto& [other, count] : k.covisible) keyframe(other).covisible.erase(keyframe_id);
+  k.covisible.clear();
+  const auto best = std::max_element(shared.begin(), shared.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  for (auto it = shared.begin(); it != shared.end(); ++it) {
+    if (it->second < least_shared && it != best) continue;
+    k.covisible[it->first] = it->second;
+    keyframe(it->first).covisible[keyframe_id] = it->second;
+  }
+  if (k.parent < 0 && best != shared.end() && best->first < keyframe_id) k.parent = best->first;
+}
+
+std::vector<int> Map::best_covisible(int keyframe_id, int count) const {
+  const auto& covisible = keyframe(keyframe_id).covisible;
+  std::vector<std::pair<int, int>> order(covisible.begin(), covisible.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  if (static_cast<int>(order.size()) > count) order.resize(static_cast<std::size_t>(count));
+  std::vector<int> ids;
+  for (const auto& [id, shared] : order) ids.push_back(id);
+  return ids;
+}
+
+void Map::refresh(int landmark_id) {
+  Landmark& l = landmark(landmark_id);
+  if (l.sightings.empty()) return;
+  std::vector<Descriptor> all;
+  l.normal.setZero();
+  for (const Sighting& s : l.sightings) {
+    const Keyframe& k = keyframe(s.keyframe);
+    all.push_back(k.features.descriptor[static_cast<std::size_t>(s.feature)]);
+    l.normal += (l.position - k.camera_from_world.inverse().translation).normalized();
+  }
+  l.normal.normalize();
+
+  // The descriptor whose median distance to the others is least.
+  int best_median = 257;
+  std::vector<int> distances(all.size());
+  for (const Descriptor& candidate : all) {
+    for (std::size_t i = 0; i < all.size(); ++i) distances[i] = hamming_distance(candidate, all[i]);
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    if (*middle < best_median) {
+      best_median = *middle;
+      l.descriptor = candidate;
+    }
+  }
+
+  // The first sighting's level and distance fix the range of scales.
+  const Keyframe& k = keyframe(l.sightings.front().keyframe);
+  const auto feature = static_cast<std::size_t>(l.sightings.front().feature);
+  const auto distance = static_cast<float>((k.camera_from_world * l.position).norm());
+  l.max_distance = distance * scale_of(k.features.level[feature]);
+  l.min_distance = l.max_distance / scales_.back();
+}
+
+int Map::predicted_level(const Landmark& l, double distance) const {
+  const auto ratio = static_cast<float>(l.max_distance / distance);
+  return std::clamp(static_cast<int>(std::ceil(std::log(ratio) / log_scale_)), 0, levels() - 1);
+}
+
+Se3 Map::keyframe_pose(int id) const {
+  const Keyframe& k = keyframe(id);
+  return k.removed ? k.self_from_parent * keyframe_pose(k.parent) : k.camera_from_world;
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,90 @@
+#include "dkp_slam/map/map.h"
+
+#include <gtest/gtest.h>
+
+namespace dkp_slam {
+namespace {
+
+Camera plain_camera() {
+  Camera camera;
+  camera.fx = camera.fy = 500.0;
+  camera.cx = 319.5;
+  camera.cy = 239.5;
+  return camera;
+}
+
+/// A keyframe at (x, 0, 0) with `count` features, no landmarks yet.
+Keyframe keyframe_at(double x, int count) {
+  OrbFeatures orb;
+  for (int i = 0; i < count; ++i) {
+    orb.keypoints.emplace_back(float(10 + i), 100.0F, 31.0F, 0.0F, 1.0F, i % 3);
+    orb.descriptors.push_back({static_cast<std::uint64_t>(i)});
+  }
+  Keyframe k;
+  k.features = FrameFeatures(orb, cv::Mat(480, 640, CV_32F, cv::Scalar(2.0)), plain_camera());
+  k.landmarks.assign(static_cast<std::size_t>(count), -1);
+  k.camera_from_world.translation.x() = -x;
+  return k;
+}
+
+/// Three keyframes; `shared` landmarks are seen by all, the third keyframe sees `extra` of its own.
+struct MapOfThree : ::testing::Test {
+  Map map{plain_camera(), 1.2F, 8};
+  MapOfThree() {
+    const int a = map.add_keyframe(keyframe_at(0.0, 60));
+    for (int f = 0; f < 40; ++f) map.add_landmark({0.01 * f, 0.0, 2.0}, a, f);
+    for (double x : {0.1, 0.2}) {
+      Keyframe k = keyframe_at(x, 60);
+      for (int f = 0; f < 40; ++f) k.landmarks[f] = f;
+      map.update_covisibility(map.add_keyframe(std::move(k)));
+    }
+    for (int f = 40; f < 50; ++f) map.add_landmark({0.01 * f, 0.0, 2.0}, 2, f);
+  }
+};
+
+TEST_F(MapOfThree, CovisibilityCountsSharedLandmarks) {
+  EXPECT_EQ(map.keyframe(2).covisible, (std::map<int, int>{{0, 40}, {1, 40}}));
+  EXPECT_EQ(map.keyframe(0).covisible.at(2), 40);
+  EXPECT_EQ(map.keyframe(1).parent, 0);
+}
+
+TEST_F(MapOfThree, RemovingALandmarkFreesItsFeatures) {
+  map.remove_landmark(5);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(map.keyframe(k).landmarks[5], -1);
+  EXPECT_EQ(map.live_landmarks(), 49);
+  EXPECT_EQ(map.resolve(5), -1);
+}
+
+TEST_F(MapOfThree, FusingMovesSightingsAndLeavesAForwardingAddress) {
+  map.fuse_landmarks(45, 46);
+  EXPECT_EQ(map.resolve(45), 46);
+  EXPECT_EQ(map.landmark(46).sightings.size(), 1U);  // keyframe 2 sees 46 itself
+  EXPECT_EQ(map.keyframe(2).landmarks[45], -1);
+  map.remove_sighting(7, 2);
+  map.fuse_landmarks(46, 7);
+  EXPECT_EQ(map.landmark(7).feature_in(2), 46);
+  EXPECT_EQ(map.resolve(45), 7);
+}
+
+TEST_F(MapOfThree, ARemovedKeyframeKeepsItsPlaceBesideItsParent) {
+  map.remove_keyframe(1);
+  EXPECT_EQ(map.live_keyframes(), 2);
+  EXPECT_EQ(map.landmark(3).sightings.size(), 2U);
+  map.keyframe(0).camera_from_world.translation.y() = 1.0;
+  EXPECT_TRUE(map.keyframe_pose(1).translation.isApprox(Eigen::Vector3d(-0.1, 1.0, 0.0), 1e-12));
+}
+
+TEST_F(MapOfThree, LosingTheLastSightingRemovesTheLandmark) {
+  map.remove_sighting(42, 2);
+  EXPECT_TRUE(map.landmark(42).removed);
+}
+
+TEST_F(MapOfThree, PredictedLevelFollowsTheDistance) {
+  const Landmark& l = map.landmark(0);  // seen on level 0 from 2 m
+  EXPECT_EQ(map.predicted_level(l, 2.0), 0);
+  EXPECT_EQ(map.predicted_level(l, 2.0 / (1.2 * 1.2) + 1e-4), 2);
+  EXPECT_EQ(map.predicted_level(l, 0.01), 7);
+}
+
+}  // namespace
+}  // namespace dkp_slam
