@@ -1,0 +1,43 @@
+#include "dkp_slam/dynamics/flow.h"
+
+#include <opencv2/video/tracking.hpp>
+
+namespace dkp_slam {
+
+void BackwardFlow::push(const cv::Mat& grey) {
+  std::vector<cv::Mat> pyramid;
+  cv::buildOpticalFlowPyramid(grey, pyramid, {options_.window, options_.window}, options_.levels,
+                              true);
+  pyramids_.push_front(std::move(pyramid));
+  while (static_cast<int>(pyramids_.size()) > options_.history + 1) pyramids_.pop_back();
+}
+
+FlowResult BackwardFlow::track(const std::vector<cv::Point2f>& points, int frames_back,
+                               const std::vector<cv::Point2f>& guess) const {
+  FlowResult result;
+  result.previous = guess.empty() ? points : guess;
+  result.tracked.assign(points.size(), 0);
+  if (points.empty()) return result;
+  const auto& now = pyramids_.front();
+  const auto& then = pyramids_.at(static_cast<std::size_t>(frames_back));
+  const cv::Size window(options_.window, options_.window);
+  const cv::TermCriteria stop(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, options_.iterations,
+                              options_.epsilon);
+  std::vector<cv::Point2f> back = points;
+  std::vector<std::uint8_t> found_back;
+  cv::calcOpticalFlowPyrLK(now, then, points, result.previous, result.tracked, cv::noArray(),
+                           window, options_.levels, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
+  cv::calcOpticalFlowPyrLK(then, now, result.previous, back, found_back, cv::noArray(), window,
+                           options_.levels, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
+  const cv::Rect2f image(0.0F, 0.0F, static_cast<float>(then[0].cols),
+                         static_cast<float>(then[0].rows));
+  const double limit = options_.forward_backward * options_.forward_backward;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const cv::Point2f d = back[i] - points[i];
+    const bool ok = found_back[i] != 0 && d.dot(d) < limit && image.contains(result.previous[i]);
+    if (!ok) result.tracked[i] = 0;
+  }
+  return result;
+}
+
+}  // namespace dkp_slam

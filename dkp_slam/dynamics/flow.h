@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace dkp_slam {
+
+struct FlowOptions {
+  int window = 15;  ///< pixels; larger windows straddle outlines of people
+  int levels = 3;   ///< coarser pyramid levels: 15 px windows then follow about 60 px a frame
+  int iterations = 10;
+  double epsilon = 0.03;  ///< pixels: finer steps are under LK's noise (0.16 to 0.32 px)
+  /// Largest distance of a point tracked there and back from where it began, pixels.
+  double forward_backward = 1.0;
+  int history = 5;  ///< earlier frames that are kept
+};
+
+/// Where the points of the newest frame were in an earlier one.
+struct FlowResult {
+  std::vector<cv::Point2f> previous;   ///< raw pixels of the earlier frame
+  std::vector<std::uint8_t> tracked;   ///< 1 where the point was found there and back
+};
+
+/// Backward pyramidal Lucas-Kanade flow (Bouguet 2001) with the pyramids of recent frames.
+/// The paper tracks the earlier features forward; the other way round each current feature gets
+/// its own flow, with nothing to associate.
+class BackwardFlow {
+ public:
+  explicit BackwardFlow(const FlowOptions& options) : options_(options) {}
+
+  /// Makes `grey` (CV_8UC1) the newest frame.
+  void push(const cv::Mat& grey);
+  /// Earlier frames at hand, at most `history`.
+  int earlier_frames() const { return static_cast<int>(pyramids_.size()) - 1; }
+  /// Tracks raw pixels of the newest frame into the one `frames_back` (1 or more, at most
+  /// `earlier_frames()`) before. `guess` holds where they are expected there; empty for no idea.
+  FlowResult track(const std::vector<cv::Point2f>& points, int frames_back,
+                   const std::vector<cv::Point2f>& guess) const;
+
+ private:
+  FlowOptions options_;
+  std::deque<std::vector<cv::Mat>> pyramids_;  // newest first
+};
+
+}  // namespace dkp_slam

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/geometry/se3.h"
+
+namespace dkp_slam {
+
+struct MotionOptions {
+  int iterations = 100;            ///< three-point samples
+  int max_scored = 300;            ///< points a sample is scored on
+  double inlier_distance = 2.0;    ///< pixels: LK's noise plus the depth's at short range
+  int min_points = 12;             ///< fewer say nothing about six unknowns
+  double min_inlier_share = 0.35;  ///< of the points: below it the motion is not believed
+};
+
+/// A point of the current frame and where flow found it in an earlier one.
+struct MotionPoint {
+  Eigen::Vector3d point;     ///< current camera frame, metres, from the current depth
+  Eigen::Vector2d previous;  ///< undistorted pixel in the earlier frame
+};
+
+struct CameraMotion {
+  Se3 previous_from_current;
+  int inliers = 0;
+  double noise = 0.0;  ///< robust standard deviation of the inliers' residuals per axis, pixels
+};
+
+/// Camera motion between two frames by RANSAC over three-point samples and robust least squares
+/// on the reprojection error in the earlier frame. `guess` starts every solution: motions between
+/// frames are small. Nothing when too few points agree. The same seed gives the same motion.
+std::optional<CameraMotion> estimate_motion(const Camera& camera,
+                                            const std::vector<MotionPoint>& points,
+                                            const Se3& guess, const MotionOptions& options,
+                                            std::uint64_t seed);
+
+/// Distance, pixels, between where flow found the point and where a static point would have been.
+/// NaN when that lies behind the camera.
+double motion_residual(const Camera& camera, const Se3& previous_from_current,
+                       const MotionPoint& point);
+
+/// The same for a point without depth, seen at an undistorted `current` pixel: distance to the
+/// stretch of its epipolar line that depths of `near` metres to infinity can reach.
+double motion_residual_without_depth(const Camera& camera, const Se3& previous_from_current,
+                                     const Eigen::Vector2d& current,
+                                     const Eigen::Vector2d& previous, double near);
+
+}  // namespace dkp_slam

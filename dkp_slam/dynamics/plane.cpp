@@ -1,0 +1,148 @@
+#include "dkp_slam/dynamics/plane.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <random>
+
+#include <Eigen/Dense>
+
+namespace dkp_slam {
+namespace {
+
+float half_thickness(float z, const PlaneOptions& options) {
+  return static_cast<float>(options.thickness_constant + options.thickness_quadratic * z * z);
+}
+
+bool on_plane(const Plane& plane, const Eigen::Vector3f& point, const PlaneOptions& options) {
+  return std::abs(plane.normal.dot(point) - plane.distance) < half_thickness(point.z(), options);
+}
+
+std::optional<Plane> through(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                             const Eigen::Vector3f& c) {
+  const Eigen::Vector3f normal = (b - a).cross(c - a);
+  const float length = normal.norm();
+  constexpr float min_area = 1e-3F;  // square metres: thinner triangles have no stable normal
+  if (length < min_area) return std::nullopt;
+  return Plane{normal / length, normal.dot(a) / length};
+}
+
+Plane least_squares(const std::vector<Eigen::Vector3f>& points, const Plane& start,
+                    const PlaneOptions& options) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+  double count = 0.0;
+  for (const Eigen::Vector3f& p : points) {
+    if (!on_plane(start, p, options)) continue;
+    const Eigen::Vector3d q = p.cast<double>();
+    mean += q;
+    moment += q * q.transpose();
+    count += 1.0;
+  }
+  if (count < 3.0) return start;
+  mean /= count;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moment / count -
+                                                              mean * mean.transpose());
+  const Eigen::Vector3d normal = solver.eigenvectors().col(0);
+  return {normal.cast<float>(), static_cast<float>(normal.dot(mean))};
+}
+
+std::vector<Eigen::Vector3f> sample_points(const DepthView& view, const cv::Mat& exclude) {
+  constexpr int stride = 6;  // about 2,000 points of a 640x480 image
+  std::vector<Eigen::Vector3f> points;
+  for (int y = stride / 2; y < view.depth.rows; y += stride) {
+    for (int x = stride / 2; x < view.depth.cols; x += stride) {
+      if (view.depth.at<float>(y, x) <= 0.0F) continue;
+      if (!exclude.empty() && exclude.at<std::uint8_t>(y, x) != 0) continue;
+      points.push_back(view.point(x, y));
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
+                              const PlaneOptions& options, std::uint64_t seed) {
+  std::vector<Eigen::Vector3f> points = sample_points(view, exclude);
+  const auto needed = static_cast<int>(options.min_share * static_cast<double>(points.size()));
+  std::vector<Plane> planes;
+  std::mt19937_64 random(seed);
+  constexpr int min_points = 30;
+  while (static_cast<int>(planes.size()) < options.max_planes &&
+         static_cast<int>(points.size()) > std::max(min_points, needed)) {
+    Plane best;
+    int best_count = 0;
+    for (int i = 0; i < options.iterations; ++i) {
+      const auto& a = points[random() % points.size()];
+      const auto& b = points[random() % points.size()];
+      const auto& c = points[random() % points.size()];
+      const std::optional<Plane> plane = through(a, b, c);
+      if (!plane) continue;
+      const auto count = static_cast<int>(
+          std::count_if(points.begin(), points.end(), [&](const Eigen::Vector3f& p) {
+            return on_plane(*plane, p, options);
+          }));
+      if (count > best_count) {
+        best_count = count;
+        best = *plane;
+      }
+    }
+    if (best_count < std::max(min_points, needed)) break;
+    best = least_squares(points, best, options);
+    planes.push_back(best);
+    std::erase_if(points, [&](const Eigen::Vector3f& p) { return on_plane(best, p, options); });
+  }
+  return planes;
+}
+
+cv::Mat plane_pixels(const DepthView& view, const std::vector<Plane>& planes, const cv::Rect& area,
+                     const PlaneOptions& options) {
+  cv::Mat out = cv::Mat::zeros(view.depth.size(), CV_8UC1);
+  if (planes.empty()) return out;
+  const cv::Rect inside = area & cv::Rect(0, 0, out.cols, out.rows);
+  constexpr int reach = 3;  // pixels of the view to each side: the slope is taken over 2 * reach
+  const auto depth_at = [&](int x, int y) {
+    return x < 0 || y < 0 || x >= out.cols || y >= out.rows ? 0.0F : view.depth.at<float>(y, x);
+  };
+  for (int y = inside.y; y < inside.y + inside.height; ++y) {
+    for (int x = inside.x; x < inside.x + inside.width; ++x) {
+      const float z = view.depth.at<float>(y, x);
+      if (z <= 0.0F) continue;
+      const Eigen::Vector3f point = view.point(x, y);
+      for (const Plane& plane : planes) {
+        if (!on_plane(plane, point, options)) continue;
+        // Depth of the plane along the rays at both ends of a small cross, against what is there.
+        bool along = true;
+        for (const auto& [dx, dy] : std::array<std::pair<int, int>, 2>{{{reach, 0}, {0, reach}}}) {
+          const float near_z = depth_at(x - dx, y - dy);
+          const float far_z = depth_at(x + dx, y + dy);
+          if (near_z <= 0.0F || far_z <= 0.0F) continue;  // an edge: position alone decides
+          const auto plane_depth = [&](int px, int py) {
+            const auto& ray = view.rays.at<cv::Vec2f>(py, px);
+            const float n = plane.normal.dot(Eigen::Vector3f(ray[0], ray[1], 1.0F));
+            return std::abs(n) < 1e-4F ? 1e4F : plane.distance / n;
+          };
+          const float rise = (far_z - near_z) - (plane_depth(x + dx, y + dy) -
+                                                 plane_depth(x - dx, y - dy));
+          const auto& r0 = view.rays.at<cv::Vec2f>(y - dy, x - dx);
+          const auto& r1 = view.rays.at<cv::Vec2f>(y + dy, x + dx);
+          const float run = z * (std::abs(r1[0] - r0[0]) + std::abs(r1[1] - r0[1]));
+          // Two readings' noise on top of the slope.
+          const float allowed = static_cast<float>(options.slope_error) * run +
+                                0.5F * half_thickness(z, options);
+          along = along && std::abs(rise) < allowed;
+        }
+        if (along) {
+          out.at<std::uint8_t>(y, x) = 255;
+          break;
+        }
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace dkp_slam

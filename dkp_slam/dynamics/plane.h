@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/dynamics/depth_view.h"
+
+namespace dkp_slam {
+
+/// Plane normal . X = distance in the camera frame; unit normal, metres.
+struct Plane {
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
+  float distance = 0.0F;
+};
+
+struct PlaneOptions {
+  int max_planes = 3;       ///< table, floor and a wall are what people stand in front of
+  double min_share = 0.12;  ///< of the sampled points: smaller planes are things, not the room
+  /// Half thickness, metres, at depth z: constant + quadratic * z^2. A Kinect's noise at the
+  /// outline of things and its slow bending of planes, about 3 sigma of Nguyen's formula plus 1 cm.
+  double thickness_constant = 0.015;
+  double thickness_quadratic = 0.006;
+  int iterations = 80;        ///< RANSAC: with 12% of inliers in the worst case, guided by locality
+  double slope_error = 0.45;  ///< rise over run by which a surface on the plane may lean off it
+};
+
+/// Largest planes of the view by RANSAC and least squares, over pixels where `exclude` (CV_8UC1,
+/// view size, may be empty) is 0. The largest comes first.
+std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
+                              const PlaneOptions& options, std::uint64_t seed);
+
+/// 255 where the view's surface lies on one of the planes and runs along it: a person who stands
+/// in the floor's or table's extension crosses it, but does not run along it. CV_8UC1, computed
+/// within `area` only (0 elsewhere).
+cv::Mat plane_pixels(const DepthView& view, const std::vector<Plane>& planes, const cv::Rect& area,
+                     const PlaneOptions& options);
+
+}  // namespace dkp_slam
