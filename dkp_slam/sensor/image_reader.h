@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/sensor/png_decoder.h"
+
+namespace dkp_slam {
+
+/// What became of an image file: the image, or a short reason why there is none.
+struct ImageRead {
+  cv::Mat image;  ///< empty when it could not be read
+  std::string problem;
+};
+
+/// Reads image files: PNG by `PngDecoder`, everything else by OpenCV. Never throws on bad files.
+/// One object per thread.
+class ImageReader {
+ public:
+  /// CV_8UC3, BGR. Grey images, images with an alpha channel and 16-bit images are converted.
+  ImageRead read_colour(const std::string& path);
+  /// As stored; of a depth image the caller checks the type.
+  ImageRead read_unchanged(const std::string& path);
+
+ private:
+  ImageRead read(const std::string& path, int opencv_flags);
+
+  PngDecoder png_;
+  std::vector<std::uint8_t> file_;
+};
+
+/// CV_16UC1 sensor units to CV_32FC1 metres; 0 where the reading is unknown or outside
+/// [min_depth, max_depth] (metres).
+cv::Mat depth_in_metres(const cv::Mat& raw, double units_per_metre, double min_depth,
+                        double max_depth);
+
+}  // namespace dkp_slam

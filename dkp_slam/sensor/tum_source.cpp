@@ -1,0 +1,173 @@
+#include "dkp_slam/sensor/tum_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "dkp_slam/error.h"
+#include "dkp_slam/sensor/image_reader.h"
+#include "dkp_slam/sensor/tum_lists.h"
+
+namespace dkp_slam {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<ImagePair> pair_by_time(const fs::path& folder, double max_difference) {
+  for (const char* list : {"rgb.txt", "depth.txt"}) {
+    if (!fs::exists(folder / list)) {
+      throw Error(
+          fmt::format("{}: no {} in this folder; a TUM or Bonn sequence has rgb.txt and "
+                      "depth.txt, or associations.txt",
+                      folder.string(), list));
+    }
+  }
+  const std::vector<StampedFile> colour = read_stamped_files(folder / "rgb.txt");
+  const std::vector<StampedFile> depth = read_stamped_files(folder / "depth.txt");
+  const auto stamps = [](const std::vector<StampedFile>& files) {
+    std::vector<double> result;
+    for (const StampedFile& file : files) result.push_back(file.timestamp);
+    return result;
+  };
+  std::vector<ImagePair> pairs;
+  for (const auto& [c, d] : associate(stamps(colour), stamps(depth), max_difference)) {
+    pairs.push_back({colour[c].timestamp, colour[c].path, depth[d].path});
+  }
+  if (pairs.empty()) {
+    throw Error(
+        fmt::format("{}: none of {} colour images has one of {} depth images within {} s; "
+                    "check rgb.txt and depth.txt",
+                    folder.string(), colour.size(), depth.size(), max_difference));
+  }
+  if (pairs.size() < colour.size()) {
+    spdlog::debug("{}: {} of {} colour images have no depth image within {} s", folder.string(),
+                  colour.size() - pairs.size(), colour.size(), max_difference);
+  }
+  return pairs;
+}
+
+std::vector<ImagePair> list_pairs(const fs::path& folder, const TumOptions& options) {
+  if (!fs::exists(folder)) throw Error(folder.string() + ": no such folder; check the path");
+  if (!fs::is_directory(folder)) {
+    throw Error(folder.string() + ": is no folder; give the folder that holds rgb.txt");
+  }
+  if (!(options.max_difference > 0.0)) throw Error("max_difference must be above 0 s");
+  std::vector<ImagePair> pairs;
+  if (const fs::path list = folder / "associations.txt"; fs::exists(list)) {
+    pairs = read_associations(list);
+    if (pairs.empty()) {
+      throw Error(list.string() + ": names no images; delete it to associate by time stamp");
+    }
+  } else {
+    pairs = pair_by_time(folder, options.max_difference);
+  }
+  if (options.first_frame >= pairs.size()) {
+    throw Error(fmt::format("{}: has {} frames, so none is left from frame {} on", folder.string(),
+                            pairs.size(), options.first_frame));
+  }
+  pairs.erase(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(options.first_frame));
+  if (options.frame_limit && *options.frame_limit < pairs.size()) {
+    pairs.resize(*options.frame_limit);
+  }
+  return pairs;
+}
+
+class TumSource : public RgbdSource {
+ public:
+  TumSource(const std::string& folder, const Camera& camera, const TumOptions& options)
+      : folder_(folder), camera_(camera), pairs_(list_pairs(folder, options)) {
+    // The first readable frame shows wrong types and sizes before a long run begins.
+    constexpr std::size_t attempts = 10;
+    for (std::size_t i = 0; i < std::min(attempts, pairs_.size()); ++i) {
+      std::string problem;
+      if (load(i, &problem)) break;
+    }
+  }
+
+  std::string description() const override { return folder_; }
+  std::optional<std::size_t> size() const override { return pairs_.size(); }
+  std::size_t skipped() const override { return skipped_; }
+
+  std::optional<RgbdFrame> read() override {
+    while (next_ < pairs_.size()) {
+      std::string problem;
+      if (auto frame = load(next_++, &problem)) return frame;
+      spdlog::warn("{}; frame {} skipped", problem, next_ - 1);
+      if (++skipped_ * 2 > pairs_.size()) {
+        throw Error(fmt::format("{}: {} of {} frames cannot be read; the last one: {}", folder_,
+                                skipped_, pairs_.size(), problem));
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  /// Nothing, and why, when an image is missing or damaged; throws when it is of the wrong kind.
+  std::optional<RgbdFrame> load(std::size_t index, std::string* problem) {
+    const ImagePair& pair = pairs_[index];
+    const std::string colour_path = fs::path(folder_) / pair.colour;
+    const std::string depth_path = fs::path(folder_) / pair.depth;
+    ImageRead colour = reader_.read_colour(colour_path);
+    if (colour.image.empty()) {
+      *problem = fmt::format("{}: {}", colour_path, colour.problem);
+      return std::nullopt;
+    }
+    const ImageRead depth = reader_.read_unchanged(depth_path);
+    if (depth.image.empty()) {
+      *problem = fmt::format("{}: {}", depth_path, depth.problem);
+      return std::nullopt;
+    }
+    check(colour_path, colour.image, depth_path, depth.image);
+    RgbdFrame frame;
+    frame.index = static_cast<int>(index);
+    frame.timestamp = pair.timestamp;
+    frame.colour = std::move(colour.image);
+    frame.depth =
+        depth_in_metres(depth.image, camera_.depth_scale, camera_.min_depth, camera_.max_depth);
+    return frame;
+  }
+
+  void check(const std::string& colour_path, const cv::Mat& colour, const std::string& depth_path,
+             const cv::Mat& depth) const {
+    if (depth.type() != CV_16UC1) {
+      throw Error(
+          fmt::format("{}: depth must be a 16-bit image of one channel, not {} bits and {} "
+                      "channels",
+                      depth_path, depth.elemSize1() * 8, depth.channels()));
+    }
+    if (depth.size() != colour.size()) {
+      throw Error(
+          fmt::format("{}: depth is {} x {} pixels but its colour image is {} x {}; depth "
+                      "must be registered to colour",
+                      depth_path, depth.cols, depth.rows, colour.cols, colour.rows));
+    }
+    if (colour.cols != camera_.width || colour.rows != camera_.height) {
+      throw Error(
+          fmt::format("{}: is {} x {} pixels but the camera file says {} x {}; use the "
+                      "camera file of this sequence",
+                      colour_path, colour.cols, colour.rows, camera_.width, camera_.height));
+    }
+  }
+
+  std::string folder_;
+  Camera camera_;
+  std::vector<ImagePair> pairs_;
+  ImageReader reader_;
+  std::size_t next_ = 0;
+  std::size_t skipped_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<RgbdSource> open_tum_folder(const std::string& folder, const Camera& camera,
+                                            const TumOptions& options) {
+  if (const auto reason = camera.check()) throw Error("camera: " + *reason);
+  return std::make_unique<TumSource>(folder, camera, options);
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/sensor/rgbd_source.h"
+
+namespace dkp_slam {
+
+struct TumOptions {
+  /// Seconds between a colour and a depth image that still belong together, exclusive; used where
+  /// there is no associations.txt. Default of the TUM benchmark's associate.py.
+  double max_difference = 0.02;
+  /// Pairs left out at the beginning; the first one read has index 0 all the same.
+  std::size_t first_frame = 0;
+  /// Pairs read at most; nothing: all of them.
+  std::optional<std::size_t> frame_limit;
+};
+
+/// Opens a folder in the format of the TUM RGB-D benchmark (the Bonn RGB-D Dynamic Dataset uses it
+/// too): associations.txt, or rgb.txt and depth.txt, and the images they name. Colour is PNG, JPEG
+/// or whatever else OpenCV reads, depth a 16-bit PNG of `camera.depth_scale` units per metre; depth
+/// outside the camera's range becomes 0.
+///
+/// Throws `Error` when the folder or a list is missing, empty or malformed, when no colour image
+/// has a depth image, and when the first readable frame has the wrong depth type or another size
+/// than the camera. Later, `read` skips frames whose images are missing or damaged, and throws when
+/// more than half of all frames are lost or an image has the wrong type or size.
+std::unique_ptr<RgbdSource> open_tum_folder(const std::string& folder, const Camera& camera,
+                                            const TumOptions& options = {});
+
+}  // namespace dkp_slam
