@@ -7,5 +7,6 @@ namespace dkp_slam::apps {
 /// Each adds its subcommand to the program. The subcommand's callback does the work and throws
 /// dkp_slam::Error on failure (exit code 1) or CLI::ValidationError on misuse (exit code 2).
 void add_run_command(CLI::App& program);
+void add_detect_command(CLI::App& program);
 
 }  // namespace dkp_slam::apps
