@@ -8,5 +8,6 @@ namespace dkp_slam::apps {
 /// dkp_slam::Error on failure (exit code 1) or CLI::ValidationError on misuse (exit code 2).
 void add_run_command(CLI::App& program);
 void add_detect_command(CLI::App& program);
+void add_eval_command(CLI::App& program);
 
 }  // namespace dkp_slam::apps

@@ -1,6 +1,8 @@
 #include <cstdio>
 
 #include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
 
 #include "apps/commands.h"
 #include "dkp_slam/version.h"
@@ -13,11 +15,15 @@ constexpr int exit_usage = 2;
 }  // namespace
 
 int main(int argc, char** argv) {
+  // The standard output is for results; spdlog would log to it.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("dkp-slam"));
+  spdlog::set_pattern("dkp-slam: %^%l%$: %v");
   CLI::App program("Visual SLAM for rooms with people in them: colour and depth images in, camera "
                    "trajectory and a map of the static world out.", "dkp-slam");
   program.set_version_flag("--version", DKP_SLAM_VERSION);
   program.require_subcommand(1);
   dkp_slam::apps::add_detect_command(program);
+  dkp_slam::apps::add_eval_command(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
