@@ -100,15 +100,16 @@ std::string check_plot_name(const std::string& name) {
 /// Misuse of the command line: a number that is not finite.
 std::string check_finite(const std::string& text) {
   double value = 0.0;
-  return CLI::detail::lexical_cast(text, value) && std::isfinite(value) ? ""
-                                                                        : "not a number: " + text;
+  const bool finite = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+  return finite ? "" : "not a number: " + text;
 }
 
-/// Misuse of the command line: a number that is not finite and above 0.
+/// Misuse of the command line: a number that is not finite or not above 0.
 std::string check_positive(const std::string& text) {
-  const std::string problem = check_finite(text);
-  if (!problem.empty()) return problem;
-  return std::stod(text) > 0.0 ? "" : "must be above 0: " + text;
+  double value = 0.0;
+  const bool positive =
+      CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
+  return positive ? "" : "not a number above 0: " + text;
 }
 
 /// Turns a unit's name into its number, by which CLI11 reads an enumeration.
