@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
                    "trajectory and a map of the static world out.", "dkp-slam");
   program.set_version_flag("--version", DKP_SLAM_VERSION);
   program.require_subcommand(1);
+  dkp_slam::apps::add_run_command(program);
   dkp_slam::apps::add_detect_command(program);
   dkp_slam::apps::add_eval_command(program);
   try {

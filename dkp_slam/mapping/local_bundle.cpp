@@ -1,0 +1,113 @@
+#include "dkp_slam/mapping/local_bundle.h"
+
+#include <algorithm>
+
+#include "dkp_slam/tracking/pose_refinement.h"
+
+namespace dkp_slam {
+namespace {
+
+std::vector<int> landmarks_of(const Map& map, const std::vector<int>& keyframes) {
+  std::vector<int> ids;
+  for (const int k : keyframes) {
+    for (const int l : map.keyframe(k).landmarks) {
+      if (l >= 0) ids.push_back(l);
+    }
+  }
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+/// Keyframes outside the window that see most of the landmarks, best first.
+std::vector<int> anchors_of(const Map& map, const std::vector<int>& window,
+                            const std::vector<int>& landmarks, int count) {
+  std::map<int, int> shared;
+  for (const int l : landmarks) {
+    for (const Sighting& s : map.landmark(l).sightings) ++shared[s.keyframe];
+  }
+  for (const int k : window) shared.erase(k);
+  std::vector<std::pair<int, int>> order(shared.begin(), shared.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  if (static_cast<int>(order.size()) > count) order.resize(static_cast<std::size_t>(count));
+  std::vector<int> ids;
+  for (const auto& [k, n] : order) ids.push_back(k);
+  return ids;
+}
+
+BundleProblem snapshot(const Map& map, const MeasurementModel& model, const std::vector<int>& moving,
+                       const std::vector<int>& fixed, const std::vector<int>& landmarks) {
+  BundleProblem problem;
+  std::vector<int> index(static_cast<std::size_t>(map.keyframe_ids()), -1);
+  const auto add_pose = [&](int k, bool stays) {
+    index[static_cast<std::size_t>(k)] = static_cast<int>(problem.poses.size());
+    problem.poses.push_back({k, map.keyframe(k).camera_from_world, stays});
+  };
+  for (const int k : moving) add_pose(k, false);
+  for (const int k : fixed) add_pose(k, true);
+  for (const int l : landmarks) {
+    const Landmark& landmark = map.landmark(l);
+    problem.points.push_back({l, landmark.position});
+    for (const Sighting& s : landmark.sightings) {
+      const int pose = index[static_cast<std::size_t>(s.keyframe)];
+      if (pose < 0) continue;
+      problem.sightings.push_back(
+          {pose, static_cast<int>(problem.points.size()) - 1,
+           observation_of(map.keyframe(s.keyframe).features, s.feature, map, model)});
+    }
+  }
+  return problem;
+}
+
+}  // namespace
+
+BundleProblem local_bundle(const Map& map, const MeasurementModel& model, int keyframe,
+                           const LocalBundleOptions& options) {
+  std::vector<int> window = map.best_covisible(keyframe, options.window - 1);
+  window.push_back(keyframe);
+  const std::vector<int> landmarks = landmarks_of(map, window);
+  std::vector<int> fixed = anchors_of(map, window, landmarks, options.anchors);
+  // Something must hold the map in place: without anchors, the oldest of the window.
+  if (fixed.empty()) {
+    const auto oldest = std::min_element(window.begin(), window.end());
+    fixed.push_back(*oldest);
+    window.erase(oldest);
+  }
+  return snapshot(map, model, window, fixed, landmarks);
+}
+
+BundleProblem full_bundle(const Map& map, const MeasurementModel& model) {
+  std::vector<int> all;
+  for (int k = 0; k < map.keyframe_ids(); ++k) {
+    if (!map.keyframe(k).removed) all.push_back(k);
+  }
+  if (all.empty()) return {};
+  const std::vector<int> landmarks = landmarks_of(map, all);
+  return snapshot(map, model, {all.begin() + 1, all.end()}, {all.front()}, landmarks);
+}
+
+void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution) {
+  if (!solution.usable) return;
+  for (const auto& p : solution.poses) {
+    if (!p.fixed && !map.keyframe(p.keyframe).removed) {
+      map.keyframe(p.keyframe).camera_from_world = p.camera_from_world;
+    }
+  }
+  for (const auto& p : solution.points) {
+    if (!map.landmark(p.landmark).removed) map.landmark(p.landmark).position = p.position;
+  }
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    if (!solution.outlier[i]) continue;
+    const int landmark = problem.points[static_cast<std::size_t>(problem.sightings[i].point)].landmark;
+    const int keyframe = problem.poses[static_cast<std::size_t>(problem.sightings[i].pose)].keyframe;
+    if (!map.landmark(landmark).removed && !map.keyframe(keyframe).removed) {
+      map.remove_sighting(landmark, keyframe);
+    }
+  }
+  for (const auto& p : solution.points) {
+    if (!map.landmark(p.landmark).removed) map.refresh(p.landmark);
+  }
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,124 @@
+#include "dkp_slam/mapping/mapper.h"
+
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+#include "dkp_slam/mapping/landmark_fusion.h"
+
+namespace dkp_slam {
+
+Mapper::Mapper(Map& map, const MeasurementModel& model, const MapperOptions& options)
+    : map_(map), model_(model), options_(options), worker_(map.camera(), model) {}
+
+void Mapper::insert_keyframe(Frame& frame) {
+  if (worker_.pending()) carry_back();
+  Keyframe keyframe;
+  keyframe.frame_index = frame.index;
+  keyframe.timestamp = frame.timestamp;
+  keyframe.camera_from_world = frame.camera_from_world;
+  keyframe.features = frame.features.subset(frame.is_static);
+  std::vector<int> feature_of_frame;  // of the keyframe's features
+  for (int i = 0; i < frame.features.size(); ++i) {
+    const auto s = static_cast<std::size_t>(i);
+    if (!frame.is_static[s]) continue;
+    feature_of_frame.push_back(i);
+    int landmark = map_.resolve(frame.landmark[s]);
+    // Two features may have come to one landmark when two were fused: the first keeps it.
+    if (std::find(keyframe.landmarks.begin(), keyframe.landmarks.end(), landmark) != keyframe.landmarks.end()) landmark = -1;
+    keyframe.landmarks.push_back(landmark);
+  }
+  const int id = map_.add_keyframe(std::move(keyframe));
+  frame.reference_keyframe = id;
+  map_.update_covisibility(id);
+  create_landmarks(frame, id, feature_of_frame);
+  cull_landmarks(id);
+  fuse_with_neighbours(map_, model_, id);
+  map_.update_covisibility(id);
+  cull_keyframes(id);
+  if (map_.live_keyframes() < 2) return;
+  under_way_ = local_bundle(map_, model_, id, options_.local);
+  due_frame_ = frame.index + options_.bundle_delay;
+  worker_.submit(under_way_, options_.bundle);
+}
+
+void Mapper::create_landmarks(Frame& frame, int id, const std::vector<int>& feature_of_frame) {
+  const Camera& camera = map_.camera();
+  const FrameFeatures& features = map_.keyframe(id).features;
+  std::vector<std::pair<float, int>> by_depth;
+  for (int f = 0; f < features.size(); ++f) {
+    const float depth = features.depth[static_cast<std::size_t>(f)];
+    if (depth > 0.0F) by_depth.emplace_back(depth, f);
+  }
+  std::sort(by_depth.begin(), by_depth.end());
+  const double close = options_.close_depth_baselines * camera.baseline;
+  const Se3 world_from_camera = frame.camera_from_world.inverse();
+  int nearest = 0;
+  for (const auto& [depth, f] : by_depth) {
+    if (depth > close && nearest >= options_.least_new) break;
+    ++nearest;
+    const auto s = static_cast<std::size_t>(f);
+    if (map_.keyframe(id).landmarks[s] >= 0) continue;
+    const cv::Point2f& p = features.pixel[s];
+    const int landmark =
+        map_.add_landmark(world_from_camera * camera.unproject({p.x, p.y}, depth), id, f);
+    frame.landmark[static_cast<std::size_t>(feature_of_frame[s])] = landmark;
+    recent_landmarks_.push_back(landmark);
+  }
+}
+
+void Mapper::cull_landmarks(int newest) {
+  // A landmark must be found in a quarter of the frames that should see it, and after two more
+  // keyframes be seen by two, to stay (Mur-Artal et al. 2015, §VI-B).
+  std::erase_if(recent_landmarks_, [&](int id) {
+    const Landmark& l = map_.landmark(id);
+    if (l.removed) return true;
+    const int age = newest - l.first_keyframe;
+    if (4 * l.found < l.visible || (age >= 2 && l.sightings.size() < 2)) {
+      map_.remove_landmark(id);
+      return true;
+    }
+    return age >= 3;
+  });
+}
+
+void Mapper::cull_keyframes(int newest) {
+  for (const int id : map_.best_covisible(newest, map_.keyframe_ids())) {
+    const Keyframe& k = map_.keyframe(id);
+    if (id == 0 || k.parent < 0) continue;
+    int total = 0, redundant = 0;
+    for (std::size_t f = 0; f < k.landmarks.size(); ++f) {
+      if (k.landmarks[f] < 0) continue;
+      ++total;
+      int others = 0;
+      for (const Sighting& s : map_.landmark(k.landmarks[f]).sightings) {
+        if (s.keyframe == id) continue;
+        const auto level = map_.keyframe(s.keyframe).features.level[static_cast<std::size_t>(s.feature)];
+        if (level <= k.features.level[f] + 1 && ++others == 3) break;
+      }
+      redundant += others == 3;
+    }
+    if (redundant > options_.redundant_share * total) map_.remove_keyframe(id);
+  }
+}
+
+void Mapper::advance(int frame_index) {
+  if (!worker_.pending()) return;
+  if (options_.realtime ? worker_.finished() : frame_index >= due_frame_) carry_back();
+}
+
+void Mapper::carry_back() {
+  const BundleSolution solution = worker_.take();
+  apply_bundle(map_, under_way_, solution);
+}
+
+void Mapper::finish(bool full_adjustment) {
+  if (worker_.pending()) carry_back();
+  if (!full_adjustment || map_.live_keyframes() < 2) return;
+  const BundleProblem problem = full_bundle(map_, model_);
+  BundleOptions options;
+  options.iterations = 20;
+  apply_bundle(map_, problem, adjust_bundle(map_.camera(), model_, problem, options));
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "dkp_slam/map/map.h"
+#include "dkp_slam/mapping/bundle_worker.h"
+#include "dkp_slam/mapping/local_bundle.h"
+#include "dkp_slam/tracking/frame.h"
+
+namespace dkp_slam {
+
+struct MapperOptions {
+  /// Landmarks are made of every feature nearer than this many baselines (metres: 40 * 0.075 = 3.0),
+  /// where depth is good, and of the nearest 100 in any case. As ORB-SLAM2, §III-B.
+  double close_depth_baselines = 40.0;
+  int least_new = 100;
+  /// Share of a keyframe's landmarks that three others must see as well for it to go.
+  double redundant_share = 0.9;
+  LocalBundleOptions local;
+  BundleOptions bundle;
+  /// Frames from a keyframe until its bundle adjustment is carried back into the map. A fixed number
+  /// makes the result independent of how fast the machine is: who arrives early waits.
+  int bundle_delay = 6;
+  /// Carry a bundle adjustment back as soon as it is done instead, and never wait (--realtime).
+  bool realtime = false;
+};
+
+/// Grows the map: keyframes, landmarks, fusion, culling, and local bundle adjustment in its own
+/// thread. Called by the tracking thread alone.
+class Mapper {
+ public:
+  Mapper(Map& map, const MeasurementModel& model, const MapperOptions& options);
+
+  /// Makes the frame a keyframe; the frame gets the new landmarks' ids and its reference keyframe.
+  void insert_keyframe(Frame& frame);
+  /// To be called once per frame, before it is tracked: carries back what is due.
+  void advance(int frame_index);
+  /// True while a bundle adjustment has been submitted and not carried back.
+  bool adjusting() const { return worker_.pending(); }
+  /// Waits for what is under way, then adjusts the whole map once more.
+  void finish(bool full_adjustment);
+
+
+ private:
+  void create_landmarks(Frame& frame, int keyframe, const std::vector<int>& feature_of_frame);
+  void cull_landmarks(int newest_keyframe);
+  void cull_keyframes(int newest_keyframe);
+  void carry_back();
+
+  Map& map_;
+  const MeasurementModel model_;
+  const MapperOptions options_;
+  BundleWorker worker_;
+  BundleProblem under_way_;
+  int due_frame_ = 0;
+  std::deque<int> recent_landmarks_;
+};
+
+}  // namespace dkp_slam

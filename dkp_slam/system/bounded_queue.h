@@ -1,0 +1,75 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+
+namespace dkp_slam {
+
+/// A queue between two threads that holds a few items at most. Closing it from either side ends
+/// both: `push` refuses, `pop` gives what is left and then nothing.
+template <class T>
+class BoundedQueue {
+ public:
+  explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
+
+  /// Waits for room; false when the queue was closed.
+  bool push(T item) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return closed_ || items_.size() < capacity_; });
+    if (closed_) return false;
+    items_.push_back(std::move(item));
+    changed_.notify_all();
+    return true;
+  }
+
+  /// Never waits: when full, the oldest item goes. Returns how many went, 0 or 1.
+  int push_newest(T item) {
+    const std::lock_guard lock(mutex_);
+    int dropped = 0;
+    if (items_.size() >= capacity_) {
+      items_.pop_front();
+      dropped = 1;
+    }
+    if (!closed_) items_.push_back(std::move(item));
+    changed_.notify_all();
+    return dropped;
+  }
+
+  /// Waits for an item; nothing once the queue is closed and empty.
+  std::optional<T> pop() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return closed_ || !items_.empty(); });
+    return take();
+  }
+
+  /// Never waits.
+  std::optional<T> try_pop() {
+    const std::lock_guard lock(mutex_);
+    return take();
+  }
+
+  void close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  std::optional<T> take() {
+    if (items_.empty()) return std::nullopt;
+    T item = std::move(items_.front());
+    items_.pop_front();
+    changed_.notify_all();
+    return item;
+  }
+
+  const std::size_t capacity_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<T> items_;
+  bool closed_ = false;
+};
+
+}  // namespace dkp_slam

@@ -1,0 +1,83 @@
+#include "dkp_slam/system/slam.h"
+
+#include "dkp_slam/system/stopwatch.h"
+
+namespace dkp_slam {
+namespace {
+
+DynamicsOptions with_seed(DynamicsOptions options, std::uint64_t seed) {
+  options.seed = seed;
+  return options;
+}
+
+MapperOptions with_realtime(MapperOptions options, bool realtime) {
+  options.realtime = realtime;
+  return options;
+}
+
+}  // namespace
+
+Slam::Slam(const SlamOptions& options)
+    : options_(options),
+      map_(options.camera, options.orb.scale, options.orb.levels),
+      mapper_(map_, options.measurement, with_realtime(options.mapper, options.realtime)),
+      tracker_(map_, mapper_, options.measurement, options.tracker),
+      dynamics_(options.camera, with_seed(options.dynamics, options.seed)) {}
+
+FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_out) {
+  FrameReport report;
+  report.index = prepared.frame.index;
+  report.timestamp = prepared.frame.timestamp;
+  report.decode_ms = prepared.decode_ms;
+  report.feature_ms = prepared.feature_ms;
+  report.detection_ms = prepared.detection_ms;
+
+  FrameDynamics dynamics =
+      dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints, prepared.detections);
+  report.clustering_ms = dynamics.clustering_ms;
+  report.removal_ms = dynamics.removal_ms;
+  for (const Detection& d : prepared.detections) {
+    report.detections += d.score >= options_.dynamics.compensation.start_score;
+  }
+  for (const DynamicObject& o : dynamics.objects) report.compensated += o.compensated;
+
+  const Stopwatch watch;
+  Frame frame;
+  frame.index = prepared.frame.index;
+  frame.timestamp = prepared.frame.timestamp;
+  frame.features = FrameFeatures(prepared.orb, prepared.frame.depth, options_.camera);
+  frame.is_static.reserve(dynamics.features.size());
+  for (const FeatureDynamics& f : dynamics.features) frame.is_static.push_back(f.is_static);
+  const int keyframes_before = map_.keyframe_ids();
+  report.localised = tracker_.track(frame);
+  report.tracking_ms = watch.ms();
+
+  report.features = frame.features.size();
+  for (const char s : frame.is_static) report.removed_features += !s;
+  report.tracked_landmarks = tracker_.tracked_landmarks();
+  report.keyframe = map_.keyframe_ids() > keyframes_before;
+  if (dynamics_out) *dynamics_out = std::move(dynamics);
+  return report;
+}
+
+void Slam::finish(bool hurry) { mapper_.finish(options_.final_adjustment && !hurry); }
+
+Trajectory Slam::trajectory() const {
+  Trajectory out;
+  for (const TrackedPose& p : tracker_.poses()) {
+    const Se3 camera_from_world = p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe);
+    out.push_back({p.timestamp, camera_from_world.inverse()});
+  }
+  return out;
+}
+
+Trajectory Slam::keyframe_trajectory() const {
+  Trajectory out;
+  for (int k = 0; k < map_.keyframe_ids(); ++k) {
+    if (map_.keyframe(k).removed) continue;
+    out.push_back({map_.keyframe(k).timestamp, map_.keyframe(k).camera_from_world.inverse()});
+  }
+  return out;
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "dkp_slam/dynamics/dynamics_module.h"
+#include "dkp_slam/geometry/stamped_pose.h"
+#include "dkp_slam/mapping/mapper.h"
+#include "dkp_slam/system/front_end.h"
+#include "dkp_slam/tracking/tracker.h"
+
+namespace dkp_slam {
+
+/// Everything that decides a run's result, beside the images.
+struct SlamOptions {
+  Camera camera;
+  DynamicsOptions dynamics;
+  OrbOptions orb;
+  MeasurementModel measurement;
+  TrackerOptions tracker;
+  MapperOptions mapper;
+  /// Adjust the whole map once more at the end, before poses are written.
+  bool final_adjustment = true;
+  bool realtime = false;
+  std::uint64_t seed = 1;
+};
+
+/// What happened to one frame.
+struct FrameReport {
+  int index = 0;
+  double timestamp = 0.0;
+  bool localised = false;
+  int features = 0;
+  int removed_features = 0;  ///< called dynamic
+  int tracked_landmarks = 0;
+  int detections = 0;        ///< in this frame, scores high enough to start an object
+  int compensated = 0;       ///< objects carried without a detection
+  bool keyframe = false;
+  double decode_ms = 0.0, feature_ms = 0.0, detection_ms = 0.0;  ///< in threads ahead of the tracker
+  double clustering_ms = 0.0, removal_ms = 0.0, tracking_ms = 0.0;
+  double frame_ms = 0.0;  ///< from the last frame's end to this one's, all threads working
+};
+
+/// The whole system: feed it frames in order, then ask for the poses.
+class Slam {
+ public:
+  explicit Slam(const SlamOptions& options);
+
+  /// Localises one frame and grows the map. `dynamics_out`, when given, receives what was found out
+  /// about moving things, for pictures.
+  FrameReport track(const PreparedFrame& prepared, FrameDynamics* dynamics_out = nullptr);
+
+  /// Ends the run: waits for the adjustment under way and does the final one. `hurry` skips that.
+  void finish(bool hurry = false);
+
+  /// Poses of all localised frames, by time, with everything known so far.
+  Trajectory trajectory() const;
+  /// Poses of the keyframes in the map.
+  Trajectory keyframe_trajectory() const;
+
+  const Map& map() const { return map_; }
+
+ private:
+  const SlamOptions options_;
+  Map map_;
+  Mapper mapper_;
+  Tracker tracker_;
+  DynamicsModule dynamics_;
+};
+
+}  // namespace dkp_slam

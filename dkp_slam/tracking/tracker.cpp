@@ -1,0 +1,219 @@
+#include "dkp_slam/tracking/tracker.h"
+
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+#include "dkp_slam/tracking/matcher.h"
+#include "dkp_slam/tracking/pose_refinement.h"
+#include "dkp_slam/tracking/relocalizer.h"
+
+namespace dkp_slam {
+namespace {
+
+void assign(Frame& frame, const std::vector<FrameMatch>& matches) {
+  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  for (const FrameMatch& m : matches) frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
+}
+
+}  // namespace
+
+Tracker::Tracker(Map& map, Mapper& mapper, const MeasurementModel& model, const TrackerOptions& options)
+    : map_(map), mapper_(mapper), model_(model), options_(options) {}
+
+bool Tracker::track(Frame& frame) {
+  mapper_.advance(frame.index);
+  follow_map_changes();
+  frame.landmark.assign(static_cast<std::size_t>(frame.features.size()), -1);
+  tracked_landmarks_ = 0;
+  if (state_ == TrackingState::not_initialized) return initialize(frame);
+
+  frame.reference_keyframe = last_.reference_keyframe;
+  bool found = false;
+  if (state_ == TrackingState::tracking) {
+    found = track_by_motion(frame) || track_reference_keyframe(frame);
+  }
+  if (!found) found = relocalize(map_, model_, frame);
+  found = found && track_local_map(frame);
+  if (!found) {
+    if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);
+    state_ = TrackingState::lost;
+    motion_time_ = 0.0;
+    return false;
+  }
+
+  if (state_ == TrackingState::tracking) {
+    motion_ = frame.camera_from_world * last_.camera_from_world.inverse();
+    motion_time_ = frame.timestamp - last_.timestamp;
+  }
+  state_ = TrackingState::tracking;
+  if (keyframe_is_due(frame)) {
+    mapper_.insert_keyframe(frame);
+    keyframe_time_ = frame.timestamp;
+  }
+  remember(frame);
+  return true;
+}
+
+bool Tracker::initialize(Frame& frame) {
+  int with_depth = 0;
+  for (int i = 0; i < frame.features.size(); ++i) {
+    const auto s = static_cast<std::size_t>(i);
+    with_depth += frame.is_static[s] && frame.features.depth[s] > 0.0F;
+  }
+  if (with_depth < options_.least_to_start) return false;
+  frame.camera_from_world = Se3();
+  mapper_.insert_keyframe(frame);
+  keyframe_time_ = frame.timestamp;
+  tracked_landmarks_ = frame.tracked_landmarks();
+  state_ = TrackingState::tracking;
+  remember(frame);
+  return true;
+}
+
+bool Tracker::track_by_motion(Frame& frame) {
+  // Constant velocity, over the time that has really passed: frames may be missing.
+  Se3 predicted = last_.camera_from_world;
+  if (motion_time_ > 0.0) {
+    const double ratio = (frame.timestamp - last_.timestamp) / motion_time_;
+    predicted = Se3::exp(ratio * motion_.log()) * predicted;
+  }
+  for (const float widen : {1.0F, 2.0F}) {
+    frame.camera_from_world = predicted;
+    std::vector<FrameMatch> matches =
+        match_last_frame(map_, last_, frame, widen * options_.motion_radius);
+    if (static_cast<int>(matches.size()) < options_.least_from_motion) continue;
+    if (refine_pose(map_, model_, frame, matches) < options_.least_from_motion / 2) continue;
+    assign(frame, matches);
+    return true;
+  }
+  return false;
+}
+
+bool Tracker::track_reference_keyframe(Frame& frame) {
+  frame.camera_from_world = last_.camera_from_world;
+  std::vector<FrameMatch> matches =
+      match_keyframe(map_, map_.keyframe(frame.reference_keyframe), frame);
+  if (matches.size() < 15) return false;
+  if (refine_pose(map_, model_, frame, matches) < 10) return false;
+  assign(frame, matches);
+  return true;
+}
+
+std::vector<int> Tracker::local_landmarks(Frame& frame) const {
+  std::map<int, int> votes;
+  for (const int l : frame.landmark) {
+    if (l < 0) continue;
+    for (const Sighting& s : map_.landmark(l).sightings) ++votes[s.keyframe];
+  }
+  if (votes.empty()) votes[frame.reference_keyframe] = 1;
+  const auto best = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
+    return a.second < b.second;
+  });
+  frame.reference_keyframe = best->first;
+
+  std::vector<int> keyframes;
+  for (const auto& [k, n] : votes) keyframes.push_back(k);
+  std::stable_sort(keyframes.begin(), keyframes.end(), [&](int a, int b) { return votes[a] > votes[b]; });
+  for (std::size_t i = 0, direct = keyframes.size(); i < direct; ++i) {
+    if (static_cast<int>(keyframes.size()) >= options_.local_keyframes) break;
+    for (const int n : map_.best_covisible(keyframes[i], 10)) {
+      if (std::find(keyframes.begin(), keyframes.end(), n) != keyframes.end()) continue;
+      keyframes.push_back(n);
+      break;
+    }
+  }
+  if (static_cast<int>(keyframes.size()) > options_.local_keyframes) {
+    keyframes.resize(static_cast<std::size_t>(options_.local_keyframes));
+  }
+
+  std::vector<int> landmarks;
+  for (const int k : keyframes) {
+    for (const int l : map_.keyframe(k).landmarks) {
+      if (l >= 0) landmarks.push_back(l);
+    }
+  }
+  std::sort(landmarks.begin(), landmarks.end());
+  landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
+  return landmarks;
+}
+
+bool Tracker::track_local_map(Frame& frame) {
+  std::vector<int> landmarks = local_landmarks(frame);
+  std::vector<FrameMatch> matches;
+  for (int i = 0; i < frame.features.size(); ++i) {
+    const int l = frame.landmark[static_cast<std::size_t>(i)];
+    if (l >= 0) matches.push_back({i, l, map_.landmark(l).position, 0});
+  }
+  std::vector<int> matched;
+  for (const FrameMatch& m : matches) matched.push_back(m.landmark);
+  std::sort(matched.begin(), matched.end());
+  std::erase_if(landmarks, [&](int l) { return std::binary_search(matched.begin(), matched.end(), l); });
+
+  const std::vector<VisibleLandmark> visible = landmarks_in_view(map_, frame, landmarks);
+  for (const VisibleLandmark& v : visible) ++map_.landmark(v.landmark).visible;
+  for (const int l : matched) ++map_.landmark(l).visible;
+  constexpr float radius_factor = 3.0F;  // ORB-SLAM's for RGB-D
+  for (const FrameMatch& m : match_visible(map_, frame, visible, radius_factor)) matches.push_back(m);
+  weigh_evidence(frame, matches);
+  tracked_landmarks_ = refine_pose(map_, model_, frame, matches);
+  for (const FrameMatch& m : matches) ++map_.landmark(m.landmark).found;
+  assign(frame, matches);
+  return tracked_landmarks_ >= options_.least_inliers;
+}
+
+void Tracker::weigh_evidence(Frame& frame, std::vector<FrameMatch>& matches) {
+  std::erase_if(matches, [&](const FrameMatch& m) {
+    Landmark& l = map_.landmark(m.landmark);
+    const auto s = static_cast<std::size_t>(m.feature);
+    const LandmarkBelief& belief = options_.belief;
+    l.dynamic_log_odds = std::clamp(
+        l.dynamic_log_odds + (frame.is_static[s] ? belief.stayed : belief.moved), belief.lowest,
+        belief.highest);
+    if (l.dynamic_log_odds > belief.dynamic_above) {
+      map_.remove_landmark(m.landmark);
+      return true;
+    }
+    return !frame.is_static[s] && l.dynamic_log_odds > belief.trusted_below;
+  });
+}
+
+bool Tracker::keyframe_is_due(const Frame& frame) const {
+  if (mapper_.adjusting()) return false;
+  if (frame.timestamp - keyframe_time_ >= options_.keyframe_interval) return true;
+  const Keyframe& reference = map_.keyframe(frame.reference_keyframe);
+  int reference_landmarks = 0;
+  const std::size_t least_sightings = map_.live_keyframes() <= 2 ? 1 : 2;
+  for (const int l : reference.landmarks) {
+    reference_landmarks += l >= 0 && map_.landmark(l).sightings.size() >= least_sightings;
+  }
+  // Near features that no landmark claims, as ORB-SLAM2: few tracked and many to gain.
+  int near_tracked = 0, near_free = 0;
+  for (int i = 0; i < frame.features.size(); ++i) {
+    const auto s = static_cast<std::size_t>(i);
+    const float depth = frame.features.depth[s];
+    if (!frame.is_static[s] || depth <= 0.0F || depth > 40.0 * map_.camera().baseline) continue;
+    (frame.landmark[s] >= 0 ? near_tracked : near_free) += 1;
+  }
+  const bool need_near = near_tracked < 100 && near_free > 70;
+  return tracked_landmarks_ < options_.keyframe_share * reference_landmarks || need_near;
+}
+
+void Tracker::follow_map_changes() {
+  if (last_.reference_keyframe < 0) return;
+  last_.camera_from_world = last_from_reference_ * map_.keyframe_pose(last_.reference_keyframe);
+  while (map_.keyframe(last_.reference_keyframe).removed) {
+    last_.reference_keyframe = map_.keyframe(last_.reference_keyframe).parent;
+  }
+  last_from_reference_ =
+      last_.camera_from_world * map_.keyframe_pose(last_.reference_keyframe).inverse();
+}
+
+void Tracker::remember(const Frame& frame) {
+  last_ = frame;
+  last_from_reference_ =
+      frame.camera_from_world * map_.keyframe_pose(frame.reference_keyframe).inverse();
+  poses_.push_back({frame.index, frame.timestamp, frame.reference_keyframe, last_from_reference_});
+}
+
+}  // namespace dkp_slam

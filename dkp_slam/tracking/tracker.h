@@ -1,0 +1,79 @@
+#pragma once
+
+#include <vector>
+
+#include "dkp_slam/map/map.h"
+#include "dkp_slam/mapping/mapper.h"
+#include "dkp_slam/optimization/observation.h"
+#include "dkp_slam/tracking/frame.h"
+#include "dkp_slam/tracking/matcher.h"
+
+namespace dkp_slam {
+
+enum class TrackingState {
+  not_initialized,  ///< waits for a first frame with enough static features with depth
+  tracking,
+  lost,  ///< the last frame was not localised; relocalisation is tried on each frame
+};
+
+struct TrackerOptions {
+  int least_to_start = 100;     ///< static features with depth for the first keyframe
+  int least_from_motion = 20;   ///< matches by the motion model before the window is doubled
+  int least_inliers = 20;       ///< landmarks tracked, below it the frame is lost
+  float motion_radius = 12.0F;  ///< pixels on level 0, search window about the predicted place
+  int local_keyframes = 40;     ///< that make the local map
+  /// A keyframe is due after this time at the latest...
+  double keyframe_interval = 1.0;
+  /// ... and as soon as fewer than this share of the reference keyframe's landmarks are tracked.
+  double keyframe_share = 0.75;
+  LandmarkBelief belief;
+};
+
+/// The pose a frame was given when it was tracked, kept relative to its reference keyframe, so that
+/// what adjusts the keyframe later adjusts the frame too.
+struct TrackedPose {
+  int frame_index = -1;
+  double timestamp = 0.0;
+  int reference_keyframe = -1;
+  Se3 camera_from_reference;
+};
+
+/// Localises frame after frame in the map and decides which become keyframes (ORB-SLAM's tracking
+/// thread, Mur-Artal et al. 2015, §V, for RGB-D).
+class Tracker {
+ public:
+  Tracker(Map& map, Mapper& mapper, const MeasurementModel& model, const TrackerOptions& options);
+
+  /// Localises the frame. Sets its pose and landmarks; true when it was localised.
+  bool track(Frame& frame);
+
+  TrackingState state() const { return state_; }
+  const std::vector<TrackedPose>& poses() const { return poses_; }
+  int tracked_landmarks() const { return tracked_landmarks_; }
+
+ private:
+  bool initialize(Frame& frame);
+  bool track_by_motion(Frame& frame);
+  bool track_reference_keyframe(Frame& frame);
+  bool track_local_map(Frame& frame);
+  std::vector<int> local_landmarks(Frame& frame) const;
+  void weigh_evidence(Frame& frame, std::vector<FrameMatch>& matches);
+  bool keyframe_is_due(const Frame& frame) const;
+  void follow_map_changes();
+  void remember(const Frame& frame);
+
+  Map& map_;
+  Mapper& mapper_;
+  const MeasurementModel model_;
+  const TrackerOptions options_;
+  TrackingState state_ = TrackingState::not_initialized;
+  Frame last_;
+  Se3 last_from_reference_;
+  Se3 motion_;               ///< camera at the last frame from camera at the one before
+  double motion_time_ = 0.0; ///< seconds that motion took; 0 when unknown
+  double keyframe_time_ = 0.0;
+  int tracked_landmarks_ = 0;
+  std::vector<TrackedPose> poses_;
+};
+
+}  // namespace dkp_slam
