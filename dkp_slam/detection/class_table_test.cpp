@@ -16,7 +16,9 @@ using testing::ThrowsMessage;
 
 std::filesystem::path write_file(const std::string& text) {
   const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) / "dkp_slam_class_table_test.yaml";
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("dkp_slam_") + testing::UnitTest::GetInstance()->current_test_info()->name() +
+       ".yaml");
   std::ofstream(file) << text;
   return file;
 }

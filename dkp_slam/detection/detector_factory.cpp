@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <spdlog/spdlog.h>
+
 #include "dkp_slam/detection/yolox_network.h"
 #include "dkp_slam/error.h"
 
@@ -78,6 +80,29 @@ std::unique_ptr<Detector> make_yolox_detector(const YoloxOptions& options) {
   return std::make_unique<YoloxDetector>(load_network(options), options);
 }
 
+std::unique_ptr<Detector> make_detector(const DetectorOptions& options, const Camera& camera) {
+  if (options.kind == DetectorKind::none) return nullptr;
+  std::unique_ptr<Detector> detector;
+  if (options.kind != DetectorKind::motion) {
+    YoloxOptions yolox = options.yolox;
+    const auto model = find_model(yolox.model);
+    if (model) {
+      yolox.model = *model;
+      detector = make_yolox_detector(yolox);
+      spdlog::info("detector: {}, model {}", detector->name(), model->string());
+      return detector;
+    }
+    if (options.kind == DetectorKind::yolox) {
+      throw Error("no YOLOX model found; " + model_advice());
+    }
+    spdlog::info("no YOLOX model found, so the motion detector finds what moves by itself; {}",
+                 model_advice());
+  }
+  detector = std::make_unique<MotionDetector>(camera, options.motion);
+  spdlog::info("detector: {}", detector->name());
+  return detector;
+}
+
 std::optional<fs::path> find_model(const fs::path& wanted) {
   const char* variable = std::getenv("DKP_SLAM_MODEL");
   if (!wanted.empty() || (variable != nullptr && *variable != '\0')) {
@@ -107,7 +132,9 @@ std::optional<fs::path> find_model(const fs::path& wanted) {
 
 std::string model_advice() {
   return "scripts/fetch_model.sh gets one from "
-         "https://github.com/Megvii-BaseDetection/YOLOX/releases/tag/0.1.1rc0";
+         "https://github.com/Megvii-BaseDetection/YOLOX/releases/tag/0.1.1rc0 "
+         "(yolox_nano.onnx: sha256 "
+         "c789161ed43c8269fcd4e67c67eeeb4e80c622da2eb296a20bc6007bd18a0b7d)";
 }
 
 }  // namespace dkp_slam

@@ -6,9 +6,29 @@
 #include <string>
 
 #include "dkp_slam/detection/detector.h"
+#include "dkp_slam/detection/motion_detector.h"
 #include "dkp_slam/detection/yolox_options.h"
+#include "dkp_slam/geometry/camera.h"
 
 namespace dkp_slam {
+
+enum class DetectorKind {
+  automatic,  ///< YOLOX where a model is found, else motion
+  yolox,
+  motion,
+  none,
+};
+
+struct DetectorOptions {
+  DetectorKind kind = DetectorKind::automatic;
+  YoloxOptions yolox;  ///< an empty model path is filled in by `find_model`
+  MotionDetectorOptions motion;
+};
+
+/// The detector of the options' kind; null for none. Logs which one runs and, where it is motion
+/// for want of a model, how to get one. Throws `Error` when a model was asked for (by kind, path or
+/// DKP_SLAM_MODEL) and is missing or unusable, and when the camera makes no sense.
+std::unique_ptr<Detector> make_detector(const DetectorOptions& options, const Camera& camera);
 
 /// YOLOX behind the `Detector` interface: looks at the colour image alone and keeps no state, so
 /// frames may come in any order. The network has run once when this returns: models that load but

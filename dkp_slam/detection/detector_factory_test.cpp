@@ -20,8 +20,11 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::ThrowsMessage;
 
-fs::path fresh_folder(const std::string& name) {
-  const fs::path folder = fs::path(testing::TempDir()) / ("dkp_slam_detection_" + name);
+/// An empty folder that no other test uses: tests may run side by side.
+fs::path fresh_folder() {
+  const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+  const fs::path folder = fs::path(testing::TempDir()) / "dkp_slam_detection_test" /
+                          test->test_suite_name() / test->name();
   fs::remove_all(folder);
   fs::create_directories(folder);
   return folder;
@@ -149,7 +152,7 @@ TEST(YoloxDetector, MissingModelSaysWhereToGetOne) {
 
 TEST(YoloxDetector, RefusesOptionsOutOfRange) {
   YoloxOptions options;
-  options.model = fresh_folder("options") / "yolox_test.onnx";
+  options.model = fresh_folder() / "yolox_test.onnx";
   tiny_onnx::write_model(options.model, 32, 21, 85);
   options.threads = 0;
   EXPECT_THROW(make_yolox_detector(options), Error);
@@ -161,15 +164,56 @@ TEST(YoloxDetector, RefusesOptionsOutOfRange) {
 #ifdef DKP_SLAM_HAVE_ONNXRUNTIME
 TEST(YoloxDetector, RefusesAnUnknownProvider) {
   YoloxOptions options;
-  options.model = fresh_folder("provider") / "yolox_test.onnx";
+  options.model = fresh_folder() / "yolox_test.onnx";
   tiny_onnx::write_model(options.model, 32, 21, 85);
   options.provider = "abacus";
   EXPECT_THAT([&] { make_yolox_detector(options); }, ThrowsMessage<Error>(HasSubstr("abacus")));
 }
 #endif
 
+/// Hides every model that the machine may hold.
+class MakeDetector : public testing::Test {
+ protected:
+  MakeDetector() {
+    camera_.fx = camera_.fy = 500.0;
+    camera_.cx = 320.0;
+    camera_.cy = 240.0;
+    fs::current_path(folder_);
+  }
+  ~MakeDetector() override { fs::current_path(before_); }
+
+  const fs::path folder_ = fresh_folder(), before_ = fs::current_path();
+  const ScopedVariable variable_{"DKP_SLAM_MODEL", ""};
+  const ScopedVariable cache_{"XDG_CACHE_HOME", folder_.string()};
+  Camera camera_;
+  DetectorOptions options_;
+};
+
+TEST_F(MakeDetector, AutomaticTakesYoloxWhereThereIsAModelElseMotion) {
+  EXPECT_EQ(make_detector(options_, camera_)->name(), "motion");
+  fs::create_directories("models");
+  tiny_onnx::write_model("models/yolox_nano.onnx", 32, 21, 85);
+  EXPECT_THAT(make_detector(options_, camera_)->name(), HasSubstr("yolox"));
+  options_.kind = DetectorKind::motion;
+  EXPECT_EQ(make_detector(options_, camera_)->name(), "motion");
+  options_.kind = DetectorKind::none;
+  EXPECT_EQ(make_detector(options_, camera_), nullptr);
+}
+
+TEST_F(MakeDetector, AModelThatIsAskedForMustBeThereAndWork) {
+  options_.yolox.model = "gone.onnx";
+  EXPECT_THROW(make_detector(options_, camera_), Error);
+  std::ofstream("broken.onnx") << "x";
+  options_.yolox.model = "broken.onnx";
+  EXPECT_THROW(make_detector(options_, camera_), Error);
+  options_.yolox.model.clear();
+  options_.kind = DetectorKind::yolox;
+  EXPECT_THAT([&] { make_detector(options_, camera_); },
+              ThrowsMessage<Error>(HasSubstr("scripts/fetch_model.sh")));
+}
+
 TEST(FindModel, WantedFileComesFirstAndMustExist) {
-  const fs::path folder = fresh_folder("wanted");
+  const fs::path folder = fresh_folder();
   const ScopedVariable variable("DKP_SLAM_MODEL", (folder / "other.onnx").string());
   std::ofstream(folder / "mine.onnx") << "x";
   EXPECT_EQ(find_model(folder / "mine.onnx"), folder / "mine.onnx");
@@ -178,7 +222,7 @@ TEST(FindModel, WantedFileComesFirstAndMustExist) {
 }
 
 TEST(FindModel, VariableComesNextAndMustNameAFile) {
-  const fs::path folder = fresh_folder("variable");
+  const fs::path folder = fresh_folder();
   std::ofstream(folder / "mine.onnx") << "x";
   {
     const ScopedVariable variable("DKP_SLAM_MODEL", (folder / "mine.onnx").string());
@@ -190,7 +234,7 @@ TEST(FindModel, VariableComesNextAndMustNameAFile) {
 
 TEST(FindModel, CacheHoldsTheSmallestSizeOrNothing) {
   const ScopedVariable variable("DKP_SLAM_MODEL", "");
-  const fs::path folder = fresh_folder("cache");
+  const fs::path folder = fresh_folder();
   const ScopedVariable cache("XDG_CACHE_HOME", folder.string());
   const fs::path before = fs::current_path();
   fs::current_path(folder);  // no models/ here
