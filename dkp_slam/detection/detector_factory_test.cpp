@@ -51,7 +51,7 @@ class YoloxBackends : public testing::TestWithParam<YoloxBackend> {
     if (GetParam() == YoloxBackend::onnxruntime) GTEST_SKIP() << "built without ONNX Runtime";
 #endif
     options_.backend = GetParam();
-    folder_ = fresh_folder(GetParam() == YoloxBackend::opencv ? "opencv" : "onnxruntime");
+    folder_ = fresh_folder();
     options_.model = folder_ / "yolox_test.onnx";
   }
 
