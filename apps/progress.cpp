@@ -1,0 +1,89 @@
+#include "apps/progress.h"
+
+#include <algorithm>
+#include <csignal>
+#include <utility>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace dkp_slam::apps {
+namespace {
+
+constexpr std::size_t bar_width = 30;
+constexpr std::size_t lines_in_all = 10;
+constexpr std::size_t steps_per_line_without_total = 100;
+constexpr auto redraw_interval = std::chrono::milliseconds(100);
+
+volatile std::sig_atomic_t interrupt_seen = 0;
+
+void note_interrupt(int signal) {
+  interrupt_seen = 1;
+  std::signal(signal, SIG_DFL);
+}
+
+}  // namespace
+
+Progress::Progress(std::string label, std::optional<std::size_t> total, std::FILE* stream)
+    : label_(std::move(label)),
+      total_(total),
+      stream_(stream),
+      terminal_(isatty(fileno(stream)) != 0),
+      start_(Clock::now()),
+      last_drawn_(start_ - redraw_interval) {}
+
+Progress::~Progress() {
+  if (line_open_) std::fputc('\n', stream_);
+}
+
+void Progress::update(std::size_t done, const std::string& note) {
+  const bool last = total_ && done >= *total_;
+  if (terminal_) {
+    const Clock::time_point now = Clock::now();
+    if (!last && now - last_drawn_ < redraw_interval) return;
+    last_drawn_ = now;
+    draw_bar(done, note);
+    return;
+  }
+  if (done < next_line_ || done == 0) return;
+  const std::string separator = note.empty() ? "" : ", ";
+  if (total_) {
+    fmt::print(stream_, "{}: {} of {}{}{}\n", label_, done, *total_, separator, note);
+    // The next tenth that lies ahead, however far this step went; none after the last.
+    const std::size_t tenth = done * lines_in_all / std::max<std::size_t>(*total_, 1) + 1;
+    next_line_ =
+        last ? static_cast<std::size_t>(-1) : (tenth * *total_ + lines_in_all - 1) / lines_in_all;
+  } else {
+    fmt::print(stream_, "{}: {}{}{}\n", label_, done, separator, note);
+    next_line_ = done + steps_per_line_without_total;
+  }
+  std::fflush(stream_);
+}
+
+void Progress::draw_bar(std::size_t done, const std::string& note) {
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  const double rate = seconds > 0.0 ? static_cast<double>(done) / seconds : 0.0;
+  std::string bar;
+  if (total_) {
+    const std::size_t total = std::max<std::size_t>(*total_, 1);
+    const std::size_t filled = std::min(done * bar_width / total, bar_width);
+    bar = fmt::format(" [{}{}] {}/{}", std::string(filled, '='),
+                      std::string(bar_width - filled, ' '), done, *total_);
+  } else {
+    bar = fmt::format(" {}", done);
+  }
+  // Carriage return and "erase to the end of the line": the bar stays on one line.
+  fmt::print(stream_, "\r\033[K{}{} {:.1f}/s{}{}", label_, bar, rate, note.empty() ? "" : "  ",
+             note);
+  std::fflush(stream_);
+  line_open_ = true;
+}
+
+void catch_interrupts() {
+  std::signal(SIGINT, note_interrupt);
+  std::signal(SIGTERM, note_interrupt);
+}
+
+bool interrupted() { return interrupt_seen != 0; }
+
+}  // namespace dkp_slam::apps
