@@ -9,5 +9,6 @@ namespace dkp_slam::apps {
 void add_run_command(CLI::App& program);
 void add_detect_command(CLI::App& program);
 void add_eval_command(CLI::App& program);
+void add_synth_command(CLI::App& program);
 
 }  // namespace dkp_slam::apps

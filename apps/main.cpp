@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   dkp_slam::apps::add_run_command(program);
   dkp_slam::apps::add_detect_command(program);
   dkp_slam::apps::add_eval_command(program);
+  dkp_slam::apps::add_synth_command(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,6 +1,7 @@
 #include "dkp_slam/sensor/synthetic/patterns.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -54,10 +55,14 @@ void add_octaves(cv::RNG& rng, cv::Mat* image, double amplitude, cv::Size coarse
     cells.width *= 2;
     cells.height *= 2;
   }
-  cv::Mat three, wide;
-  cv::merge(std::vector<cv::Mat>{sum, sum, sum}, three);
-  image->convertTo(wide, CV_32FC3);
-  cv::Mat(wide + three).convertTo(*image, CV_8UC3);
+  for (int y = 0; y < image->rows; ++y) {
+    const auto* offset = sum.ptr<float>(y);
+    auto* pixel = image->ptr<cv::Vec3b>(y);
+    for (int x = 0; x < image->cols; ++x) {
+      const int grey = cvRound(offset[x]);
+      for (int c = 0; c < 3; ++c) pixel[x][c] = cv::saturate_cast<std::uint8_t>(pixel[x][c] + grey);
+    }
+  }
 }
 
 cv::Mat paint_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, double roughness) {

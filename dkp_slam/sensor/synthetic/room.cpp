@@ -74,7 +74,7 @@ class RoomBuilder {
       const int x = rng_.uniform(0, image.cols), y = rng_.uniform(0, image.rows);
       const int longer = rng_.uniform(4, 11);
       cv::ellipse(image, {x, y}, {longer, longer / 3 + 1}, rng_.uniform(0.0, 180.0), 0, 360,
-                  colour * rng_.uniform(0.62, 0.85), cv::FILLED, cv::LINE_AA);
+                  colour * rng_.uniform(0.50, 0.78), cv::FILLED, cv::LINE_AA);
     }
     for (double x = 0.15; x < width - 0.75;) {
       const double w = rng_.uniform(0.35, 0.75), h = rng_.uniform(0.40, 0.85);
