@@ -113,9 +113,10 @@ void MotionDetector::carry(const CoarseView& view, const cv::Mat& flow, float sh
       const cv::Vec2f back = share * flow.at<cv::Vec2f>(v, u);
       const int x = cvRound(u + back[0]), y = cvRound(v + back[1]);
       if (x < 0 || y < 0 || x >= size.width || y >= size.height) continue;
-      // Flow is smooth over the edges of objects: what it drags onto another surface stays behind.
+      // Flow is smooth over the edges of objects: what it drags onto another surface stays behind,
+      // also by way of the cells without depth along the edge.
       const float z = view.depth.at<float>(v, u), source = past_.back().view.depth.at<float>(y, x);
-      if (z > 0.0F && source > 0.0F && std::abs(z - source) > options_.carry_step * z) continue;
+      if (z > 0.0F && std::abs(z - source) > options_.carry_step * z) continue;
       const float before = log_odds_.at<float>(y, x);
       log_odds.at<float>(v, u) = before > 0.0F ? fade * before : before;
       standing.at<float>(v, u) = standing_.at<float>(y, x);

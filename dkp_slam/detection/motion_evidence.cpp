@@ -110,6 +110,9 @@ MotionEvidence MotionEvidenceFinder::find(const CoarseView& current, const Coars
     // With half of the image moving the median says nothing: bounded.
     threshold = std::clamp(options_.residual_medians * *middle, threshold, 4.0F * threshold);
   }
+  // Patches of the flow that reach over the image's border match nothing.
+  constexpr int margin = 4;
+  const cv::Rect inside(margin, margin, size.width - 2 * margin, size.height - 2 * margin);
   const cv::Mat flow_difference = image_difference(current.grey, earlier.grey, by_flow);
   const cv::Mat camera_difference = image_difference(current.grey, earlier.grey, by_camera);
   for (int v = 0; v < size.height; ++v) {
@@ -118,7 +121,8 @@ MotionEvidence MotionEvidenceFinder::find(const CoarseView& current, const Coars
       if (miss < 0.0F || texture.at<float>(v, u) < options_.min_texture) continue;
       const float gain = static_cast<float>(camera_difference.at<uchar>(v, u)) -
                          static_cast<float>(flow_difference.at<uchar>(v, u));
-      if (miss > threshold && gain > options_.min_contrast) {
+      if (miss > threshold && gain > options_.min_contrast && inside.contains(cv::Point(u, v)) &&
+          inside.contains(cv::Point2f(by_flow.at<cv::Point2f>(v, u)))) {
         evidence.vote.at<schar>(v, u) = 1;
       } else if (miss < 0.5F * threshold) {
         evidence.vote.at<schar>(v, u) = -1;
