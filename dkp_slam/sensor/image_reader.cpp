@@ -88,7 +88,8 @@ cv::Mat depth_in_metres(const cv::Mat& raw, double units_per_metre, double min_d
     for (int x = 0; x < raw.cols; ++x) {
       const float depth = static_cast<float>(in[x]) / scale;
       // One bit-and instead of two branches lets the compiler make vectors of it.
-      out[x] = (depth >= nearest) & (depth <= farthest) ? depth : 0.0F;
+      const bool known = (depth >= nearest) & (depth <= farthest);
+      out[x] = known ? depth : 0.0F;
     }
   }
   return metres;
