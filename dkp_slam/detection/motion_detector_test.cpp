@@ -1,12 +1,18 @@
 #include "dkp_slam/detection/motion_detector.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/sensor/tum_source.h"
 
 namespace dkp_slam {
 namespace {
@@ -211,6 +217,31 @@ TEST(MotionDetector, SurvivesFramesWithoutDepthOrContent) {
   shot.frame.colour.setTo(0);
   shot.frame.timestamp += 1.0 / 30.0;
   EXPECT_TRUE(detector.detect(shot.frame).empty());
+}
+
+TEST(MotionDetector, FindsWalkingPeopleInARealSequence) {
+  const char* data = std::getenv("DKP_SLAM_DATA");
+  if (data == nullptr) GTEST_SKIP() << "DKP_SLAM_DATA names no folder of sequences";
+  const std::filesystem::path folder = std::filesystem::path(data) / "composite_xyz_walking";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is missing";
+  const Camera camera = load_camera(DKP_SLAM_SOURCE_DIR "/config/tum_fr1.yaml");
+  TumOptions options;
+  options.frame_limit = 100;
+  const auto source = open_tum_folder(folder.string(), camera, options);
+  std::vector<std::filesystem::path> truths(std::filesystem::directory_iterator(folder / "mask"),
+                                            std::filesystem::directory_iterator{});
+  std::sort(truths.begin(), truths.end());
+  MotionDetector detector(camera);
+  double common = 0.0, found = 0.0, true_area = 0.0;
+  while (const auto frame = source->read()) {
+    const cv::Mat mask = mask_of(detector.detect(*frame), frame->colour.size());
+    const cv::Mat truth = cv::imread(truths.at(frame->index).string(), cv::IMREAD_GRAYSCALE);
+    common += cv::countNonZero(mask & truth);
+    found += cv::countNonZero(mask);
+    true_area += cv::countNonZero(truth);
+  }
+  EXPECT_GT(common / true_area, 0.8);  // 0.91 and 0.90 when written
+  EXPECT_GT(common / found, 0.75);
 }
 
 TEST(MotionDetector, RefusesBadInput) {
