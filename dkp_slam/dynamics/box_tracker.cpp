@@ -3,12 +3,21 @@
 #include <algorithm>
 #include <tuple>
 
+#include <opencv2/imgproc.hpp>
+
 namespace dkp_slam {
 namespace {
 
 cv::Rect2f clipped(const cv::Rect2f& box, const cv::Size& image) {
   return box & cv::Rect2f(0.0F, 0.0F, static_cast<float>(image.width),
                           static_cast<float>(image.height));
+}
+
+/// Box, pixels of the image, around a mask that is not empty.
+cv::Rect2f mask_box(const ObjectMask& mask) {
+  const cv::Rect r = cv::boundingRect(mask.mask) + mask.area.tl();
+  constexpr int step = DepthView::step;
+  return cv::Rect2f(cv::Rect(r.x * step, r.y * step, r.width * step, r.height * step));
 }
 
 }  // namespace
@@ -25,7 +34,8 @@ void BoxTracker::predict(double dt, const cv::Size& image,
     Tracked& t = objects_[i];
     const auto seconds = static_cast<float>(dt);
     if (i < flow.size() && flow[i] && dt > 0.0) t.velocity = *flow[i] / seconds;
-    t.whole_box += t.velocity * seconds;
+    t.shift = t.velocity * seconds;
+    t.whole_box += t.shift;
     t.object.box = clipped(t.whole_box, image);
     t.object.compensated = true;
     t.silhouette.release();
@@ -43,8 +53,14 @@ void BoxTracker::update(double time, const cv::Size& image,
   for (std::size_t o = 0; o < objects_.size(); ++o) {
     for (std::size_t d = 0; d < detections.size(); ++d) {
       const Detection& detection = detections[d];
-      if (detection.weight <= 1.0F || detection.class_id != objects_[o].object.class_id) continue;
-      const float needed = options_.compensate ? options_.continue_score : options_.start_score;
+      const int known_class = objects_[o].object.class_id;
+      // What was only seen to move takes the name of the first detection that fits.
+      const bool same = detection.class_id == known_class ||
+                        (known_class == Detection::motion_class &&
+                         detection.weight >= options_.min_weight);
+      if (detection.weight <= 1.0F || !same) continue;
+      const bool weak_is_enough = options_.compensate && detection.weight >= options_.min_weight;
+      const float needed = weak_is_enough ? options_.continue_score : options_.start_score;
       if (detection.score < needed) continue;
       const float iou = box_iou(objects_[o].object.box, detection.box);
       if (iou > options_.continue_iou) pairs.emplace_back(iou, o, d);
@@ -58,10 +74,11 @@ void BoxTracker::update(double time, const cv::Size& image,
   const auto take = [&](Tracked& t, const Detection& d) {
     t.object.box = clipped(d.box, image);
     t.whole_box = d.box;
+    t.object.class_id = d.class_id;
     t.object.weight = d.weight;
     t.object.score = d.score;
     t.object.compensated = false;
-    t.object.last_detected = time;
+    t.object.last_detected = t.last_confirmed = time;
     t.silhouette = d.mask;
     t.detected_box = d.box;
   };
@@ -75,14 +92,14 @@ void BoxTracker::update(double time, const cv::Size& image,
     if (detections[d].score < options_.start_score || detections[d].box.area() <= 0.0F) continue;
     Tracked fresh;
     fresh.object.id = next_id_++;
-    fresh.object.class_id = detections[d].class_id;
     take(fresh, detections[d]);
     objects_.push_back(std::move(fresh));
   }
 
   const auto gone = [&](const Tracked& t) {
     if (!t.object.compensated) return false;
-    if (!options_.compensate || time - t.object.last_detected > options_.carry_seconds) return true;
+    if (!options_.compensate || t.object.weight < options_.min_weight) return true;
+    if (time - t.last_confirmed > options_.carry_seconds) return true;
     if (t.object.box.area() < options_.leaving_share * t.whole_box.area()) return true;
     return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& other) {
       return !other.object.compensated && other.object.class_id == t.object.class_id &&
@@ -96,9 +113,42 @@ void BoxTracker::update(double time, const cv::Size& image,
   remove(flags);
 }
 
-void BoxTracker::set_mask_result(std::size_t index, float mean_depth, float mask_share) {
-  objects_[index].object.mean_depth = mean_depth;
-  objects_[index].object.mask_share = mask_share;
+void BoxTracker::set_mask(std::size_t index, const ObjectMask& mask, bool moving) {
+  Tracked& t = objects_[index];
+  t.mask = mask;
+  t.object.mean_depth = mask.mean_depth;
+  t.object.mask_share = mask.share;
+  if (mask.empty()) return;
+  if (moving) t.last_confirmed = last_time_;
+  if (t.object.compensated) t.object.box = t.whole_box = mask_box(mask);
+}
+
+void BoxTracker::add_moving(const ObjectMask& mask) {
+  Tracked fresh;
+  fresh.object.id = next_id_++;
+  fresh.object.class_id = Detection::motion_class;
+  fresh.object.box = fresh.whole_box = mask_box(mask);
+  fresh.object.last_detected = fresh.last_confirmed = last_time_;
+  fresh.object.mean_depth = mask.mean_depth;
+  fresh.object.mask_share = mask.share;
+  fresh.mask = mask;
+  objects_.push_back(std::move(fresh));
+}
+
+void BoxTracker::drop_duplicates() {
+  std::vector<bool> gone(objects_.size(), false);
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const Tracked& t = objects_[i];
+    const int area = t.mask.empty() ? 0 : cv::countNonZero(t.mask.mask);
+    if (area == 0 || !t.object.compensated) continue;
+    for (std::size_t j = 0; j < objects_.size() && !gone[i]; ++j) {
+      const Tracked& other = objects_[j];
+      // Of two carried ones the older stays.
+      const bool stronger = !other.object.compensated || other.object.id < t.object.id;
+      gone[i] = j != i && !gone[j] && stronger && 2 * mask_overlap(t.mask, other.mask) > area;
+    }
+  }
+  remove(gone);
 }
 
 void BoxTracker::remove(const std::vector<bool>& gone) {

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/detection/detector.h"
+#include "dkp_slam/dynamics/clustering.h"
 #include "dkp_slam/dynamics/frame_dynamics.h"
 
 namespace dkp_slam {
@@ -21,6 +22,9 @@ struct BoxTrackerOptions {
   float leaving_share = 0.15F;
   /// Carried objects whose box lies in a detected one's by this share are the same person.
   float duplicate_share = 0.7F;
+  /// Only objects of this weight and more (they move by themselves) are carried: a chair that the
+  /// detector loses has lost nothing.
+  float min_weight = 8.0F;
   bool compensate = true;  ///< false: no carrying, no weak continuation
 };
 
@@ -37,6 +41,9 @@ class BoxTracker {
     cv::Point2f velocity;     ///< pixels a second
     cv::Mat silhouette;       ///< the detection's own mask, Detection::mask; empty for none
     cv::Rect2f detected_box;  ///< where `silhouette` lies
+    ObjectMask mask;          ///< of the newest frame once `set_mask` was called, else of the one before
+    cv::Point2f shift;        ///< pixels it moved since the frame before
+    double last_confirmed = 0.0;  ///< seconds: detected, or seen to move
   };
 
   /// Objects after the newest frame, in the order of their id.
@@ -49,8 +56,13 @@ class BoxTracker {
   void update(double time, const cv::Size& image, const std::vector<Detection>& detections,
               const std::vector<std::optional<cv::Point2f>>& flow);
 
-  /// Writes back what the clustering found: T, R, and for carried objects the box around the mask.
-  void set_mask_result(std::size_t index, float mean_depth, float mask_share);
+  /// Takes over what the clustering found for `objects()[index]`: mask, T and R. A carried object
+  /// gets the box around its mask; one that is seen to move lives on as if it had been detected.
+  void set_mask(std::size_t index, const ObjectMask& mask, bool moving);
+  /// Adds an object that no detector saw, by its moving silhouette.
+  void add_moving(const ObjectMask& mask);
+  /// Drops carried objects whose mask lies mostly in that of another one.
+  void drop_duplicates();
   /// Removes objects, for example carried ones in whose box nothing was found. One flag each.
   void remove(const std::vector<bool>& gone);
 

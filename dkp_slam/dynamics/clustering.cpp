@@ -129,37 +129,137 @@ void drop_small_blobs(cv::Mat& mask, double min_share) {
   }
 }
 
-/// Floods from the mask's pixels over `candidates` without crossing a step in depth.
-void grow_over_surface(const DepthView& view, const cv::Rect& area, const cv::Mat& candidates,
-                       const ClusteringOptions& options, cv::Mat& mask) {
-  std::vector<cv::Point> front;
-  for (int y = 0; y < mask.rows; ++y) {
-    for (int x = 0; x < mask.cols; ++x) {
-      if (mask.at<std::uint8_t>(y, x) != 0) front.emplace_back(x, y);
-    }
-  }
-  constexpr int moves[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-  while (!front.empty()) {
-    const cv::Point p = front.back();
-    front.pop_back();
-    const float z = view.depth.at<float>(p.y + area.y, p.x + area.x);
-    const auto step = static_cast<float>(options.step_constant) +
-                      static_cast<float>(options.step_share) * z;
-    for (const auto& move : moves) {
-      const int x = p.x + move[0], y = p.y + move[1];
-      if (x < 0 || y < 0 || x >= mask.cols || y >= mask.rows) continue;
-      if (mask.at<std::uint8_t>(y, x) != 0 || candidates.at<std::uint8_t>(y, x) == 0) continue;
-      if (std::abs(view.depth.at<float>(y + area.y, x + area.x) - z) > step) continue;
-      mask.at<std::uint8_t>(y, x) = 255;
-      front.emplace_back(x, y);
-    }
-  }
-}
-
 cv::Rect grown(const cv::Rect& box, double share, const cv::Size& size) {
   const int dx = static_cast<int>(share * box.width), dy = static_cast<int>(share * box.height);
   return cv::Rect(box.x - dx, box.y - dy, box.width + 2 * dx, box.height + 2 * dy) &
          cv::Rect(0, 0, size.width, size.height);
+}
+
+template <typename F>
+void for_each_pixel(const cv::Rect& area, F&& visit) {
+  for (int y = area.y; y < area.y + area.height; ++y) {
+    for (int x = area.x; x < area.x + area.width; ++x) visit(x, y);
+  }
+}
+
+/// A surface that reaches into an object's box; areas in pixels of the view.
+struct Candidate {
+  std::size_t segment = 0;
+  int in_box = 0;    ///< of it in the box
+  int in_grown = 0;  ///< of it in the box's grown surroundings
+  int in_prior = 0;  ///< of it where the object's earlier silhouette went
+};
+
+std::vector<Candidate> find_candidates(const SegmentMap& surfaces, const cv::Rect& inner,
+                                       const cv::Rect& outer, const ObjectPrior& prior) {
+  std::vector<Candidate> found;
+  std::vector<int> index(surfaces.segments.size(), -1);
+  for_each_pixel(outer, [&](int x, int y) {
+    const int label = surfaces.labels.at<int>(y, x);
+    if (label == 0) return;
+    int& i = index[static_cast<std::size_t>(label - 1)];
+    if (i < 0) {
+      i = static_cast<int>(found.size());
+      found.push_back({static_cast<std::size_t>(label - 1)});
+    }
+    Candidate& c = found[static_cast<std::size_t>(i)];
+    ++c.in_grown;
+    if (inner.contains({x, y})) ++c.in_box;
+    const cv::Point before = cv::Point(x, y) - prior.shift;
+    if (!prior.mask.empty() && prior.mask.area.contains(before) &&
+        prior.mask.mask.at<std::uint8_t>(before - prior.mask.area.tl()) != 0) {
+      ++c.in_prior;
+    }
+  });
+  return found;
+}
+
+double rect_iou(const cv::Rect& a, const cv::Rect& b) {
+  const double common = (a & b).area();
+  return common / std::max(1.0, a.area() + b.area() - common);
+}
+
+/// The surface that most looks like the object: large in the box, hardly outside it, filling the
+/// box from side to side as a tight detection is filled, where the object was before, and moving
+/// rather than proved still. -1 when there is none.
+int main_candidate(const SegmentMap& surfaces, const std::vector<Candidate>& candidates,
+                   const cv::Rect& inner, const ObjectPrior& prior,
+                   const ClusteringOptions& options) {
+  int best = -1;
+  double best_score = 0.0;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Candidate& c = candidates[i];
+    const Segment& s = surfaces.segments[c.segment];
+    constexpr double min_fill = 0.03;  // of the box: less is a thing in a person's box
+    if (c.in_box < min_fill * inner.area()) continue;
+    const double overlap = static_cast<double>(c.in_prior) / c.in_grown;
+    constexpr double followed = 0.3;  // of a carried object's surface must lie where it went
+    if (prior.carried && overlap < followed) continue;
+    double score = c.in_box * (static_cast<double>(c.in_grown) / s.area);
+    score *= 0.3 + rect_iou(s.box, inner);
+    if (s.proved_moving()) score *= 2.0;
+    if (s.proved_still()) score *= 0.25;
+    if (s.flat) score *= 0.2;
+    if (prior.mean_depth > 0.0F) {
+      const double off = static_cast<double>(s.mean_depth - prior.mean_depth) / options.join_distance;
+      score *= 0.3 + std::exp(-off * off) + overlap;
+    }
+    if (score > best_score) {
+      best_score = score;
+      best = static_cast<int>(i);
+    }
+  }
+  return best;
+}
+
+/// Adds the main surface and those that belong to it.
+void paint_surfaces(const Scene& scene, const std::vector<Candidate>& candidates, int main,
+                    const DepthInterval& interval, const ClusteringOptions& options,
+                    ObjectMask& out) {
+  const SegmentMap& surfaces = scene.surfaces;
+  const int main_area = candidates[static_cast<std::size_t>(main)].in_grown;
+  enum : std::uint8_t { no, in_interval, whole };
+  std::vector<std::uint8_t> take(surfaces.segments.size(), no);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Candidate& c = candidates[i];
+    const Segment& s = surfaces.segments[c.segment];
+    const bool inside = c.in_grown >= options.inside_share * s.area;
+    const bool large = c.in_grown >= options.min_blob_share * main_area;
+    const bool known = 2 * c.in_prior > c.in_grown;
+    if (static_cast<int>(i) == main) {
+      take[c.segment] = inside ? whole : in_interval;
+    } else if (!inside || s.proved_still() || (s.flat && !known)) {
+      continue;
+    } else if (s.proved_moving()) {
+      take[c.segment] = whole;  // a second person at another depth
+    } else if (interval.holds(s.mean_depth) && (large || known) && c.in_box * 2 > c.in_grown) {
+      take[c.segment] = in_interval;
+    }
+  }
+  for_each_pixel(out.area, [&](int x, int y) {
+    const int label = surfaces.labels.at<int>(y, x);
+    if (label == 0) return;
+    const std::uint8_t how = take[static_cast<std::size_t>(label - 1)];
+    if (how == whole || (how == in_interval && interval.holds(scene.view.depth.at<float>(y, x)))) {
+      out.mask.at<std::uint8_t>(y - out.area.y, x - out.area.x) = 255;
+    }
+  });
+}
+
+/// T and R of a mask.
+void measure_mask(const DepthView& view, const cv::Rect& inner, ObjectMask& out) {
+  double sum = 0.0;
+  int count = 0, inside = 0, known = 0;
+  for_each_pixel(out.area, [&](int x, int y) {
+    if (out.mask.at<std::uint8_t>(y - out.area.y, x - out.area.x) == 0) return;
+    sum += static_cast<double>(view.depth.at<float>(y, x));
+    ++count;
+    inside += inner.contains({x, y}) ? 1 : 0;
+  });
+  for_each_pixel(inner, [&](int x, int y) { known += view.depth.at<float>(y, x) > 0.0F ? 1 : 0; });
+  if (count == 0 || known == 0) return;
+  out.mean_depth = static_cast<float>(sum / count);
+  out.share = static_cast<float>(inside) / static_cast<float>(known);
 }
 
 }  // namespace
@@ -186,67 +286,99 @@ void paint_object(const ObjectMask& object, std::uint8_t label, cv::Mat& labels)
   }
 }
 
-ObjectMask cluster_object(const DepthView& view, const cv::Mat& planes, const cv::Rect2f& box,
-                          const ObjectPrior& prior, const ClusteringOptions& options,
-                          std::uint64_t seed) {
+ObjectMask mask_from_silhouette(const DepthView& view, const cv::Mat& silhouette,
+                                const cv::Rect2f& box) {
   ObjectMask out;
+  out.area = view_rect(box, view.depth.size());
+  out.mask = cv::Mat::zeros(out.area.size(), CV_8UC1);
+  const cv::Point origin(static_cast<int>(std::floor(box.x)), static_cast<int>(std::floor(box.y)));
+  const cv::Rect inside(0, 0, silhouette.cols, silhouette.rows);
+  for_each_pixel(out.area, [&](int x, int y) {
+    const cv::Point p = cv::Point(x * DepthView::step, y * DepthView::step) - origin;
+    if (inside.contains(p) && silhouette.at<std::uint8_t>(p) != 0) {
+      out.mask.at<std::uint8_t>(y - out.area.y, x - out.area.x) = 255;
+    }
+  });
+  measure_mask(view, out.area, out);
+  out.moving = true;
+  return out;
+}
+
+int mask_overlap(const ObjectMask& a, const ObjectMask& b) {
+  if (a.empty() || b.empty()) return 0;
+  const cv::Rect common = a.area & b.area;
+  if (common.area() == 0) return 0;
+  return cv::countNonZero(a.mask(common - a.area.tl()) & b.mask(common - b.area.tl()));
+}
+
+Scene make_scene(const DepthView& view, const cv::Mat& covered, const ClusteringOptions& options,
+                 std::uint64_t seed) {
+  Scene scene;
+  scene.view = view;
+  if (options.mode == ClusteringMode::paper) return scene;
+  if (options.remove_planes) {
+    const cv::Rect whole(0, 0, view.depth.cols, view.depth.rows);
+    scene.planes = plane_pixels(view, fit_planes(view, covered, options.planes, seed), whole,
+                                options.planes);
+  }
+  scene.surfaces = segment_surfaces(view, scene.planes, options.segments);
+  return scene;
+}
+
+ObjectMask cluster_object(const Scene& scene, const cv::Rect2f& box, const ObjectPrior& prior,
+                          const ClusteringOptions& options, std::uint64_t seed) {
+  ObjectMask out;
+  const DepthView& view = scene.view;
   const cv::Rect inner = view_rect(box, view.depth.size());
   constexpr int min_side = 3;  // pixels of the view
   if (inner.width < min_side || inner.height < min_side) return out;
   const bool literal = options.mode == ClusteringMode::paper;
-  const cv::Mat no_planes;
-  const cv::Mat& used_planes = literal || !options.remove_planes ? no_planes : planes;
-  const DepthHistogram histogram = histogram_of(view, used_planes, inner);
+  const DepthHistogram histogram = histogram_of(view, scene.planes, inner);
+  std::vector<Candidate> candidates;
+  int main = -1;
   float mean_depth = prior.mean_depth, share = prior.share;
-  if (mean_depth <= 0.0F) {
-    mean_depth = dominant_near_mode(histogram_of(view, used_planes, central_half(inner)),
-                                    options.first_mode_share, 2.0 * options.join_distance);
-    constexpr float typical_share = 0.5F;  // a person fills about half of the box
-    share = typical_share;
+  if (literal) {
+    if (mean_depth <= 0.0F) {
+      mean_depth = dominant_near_mode(histogram_of(view, scene.planes, central_half(inner)),
+                                      options.first_mode_share, 2.0 * options.join_distance);
+    }
+  } else {
+    candidates = find_candidates(scene.surfaces, inner, grown(inner, options.growth, view.depth.size()),
+                                 prior);
+    main = main_candidate(scene.surfaces, candidates, inner, prior, options);
+    if (main < 0) return out;
+    const float seen = scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].mean_depth;
+    out.moving = scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].proved_moving();
+    out.still = scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].proved_still();
+    // A prior that the main surface contradicts was about something else.
+    if (std::abs(seen - mean_depth) > static_cast<float>(options.join_distance)) {
+      mean_depth = seen;
+      share = 0.0F;
+    }
   }
   if (mean_depth <= 0.0F) return out;
+  constexpr float typical_share = 0.5F;  // a person fills about half of the box
+  if (share <= 0.0F) share = typical_share;
   const DepthInterval interval =
       object_interval(histogram, mean_depth, share, options, seed, &out.clusters);
 
   out.area = literal ? inner : grown(inner, options.growth, view.depth.size());
-  cv::Mat candidates(out.area.size(), CV_8UC1);
-  for (int y = 0; y < out.area.height; ++y) {
-    for (int x = 0; x < out.area.width; ++x) {
-      const float z = view.depth.at<float>(y + out.area.y, x + out.area.x);
-      candidates.at<std::uint8_t>(y, x) =
-          interval.holds(z) && !flagged(used_planes, x + out.area.x, y + out.area.y) ? 255 : 0;
-    }
-  }
-  const cv::Rect inner_in_area(inner.x - out.area.x, inner.y - out.area.y, inner.width,
-                               inner.height);
   out.mask = cv::Mat::zeros(out.area.size(), CV_8UC1);
-  candidates(inner_in_area).copyTo(out.mask(inner_in_area));
+  if (literal) {
+    for_each_pixel(out.area, [&](int x, int y) {
+      if (interval.holds(view.depth.at<float>(y, x))) {
+        out.mask.at<std::uint8_t>(y - out.area.y, x - out.area.x) = 255;
+      }
+    });
+  } else {
+    paint_surfaces(scene, candidates, main, interval, options, out);
+  }
   const int side = 2 * options.opening + 1;
   cv::morphologyEx(out.mask, out.mask, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_RECT, {side, side}), {-1, -1}, 1,
                    cv::BORDER_REPLICATE);
-  drop_small_blobs(out.mask, options.min_blob_share);
-  if (!literal) grow_over_surface(view, out.area, candidates, options, out.mask);
-
-  double sum = 0.0;
-  int count = 0, inside = 0;
-  for (int y = 0; y < out.area.height; ++y) {
-    for (int x = 0; x < out.area.width; ++x) {
-      if (out.mask.at<std::uint8_t>(y, x) == 0) continue;
-      sum += static_cast<double>(view.depth.at<float>(y + out.area.y, x + out.area.x));
-      ++count;
-      inside += inner_in_area.contains({x, y}) ? 1 : 0;
-    }
-  }
-  int known = 0;
-  for (int y = inner.y; y < inner.y + inner.height; ++y) {
-    const float* row = view.depth.ptr<float>(y);
-    known += static_cast<int>(
-        std::count_if(row + inner.x, row + inner.x + inner.width, [](float z) { return z > 0; }));
-  }
-  if (count == 0 || known == 0) return out;
-  out.mean_depth = static_cast<float>(sum / count);
-  out.share = static_cast<float>(inside) / static_cast<float>(known);
+  if (literal) drop_small_blobs(out.mask, options.min_blob_share);
+  measure_mask(view, inner, out);
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include "dkp_slam/dynamics/depth_view.h"
 #include "dkp_slam/dynamics/frame_dynamics.h"
 #include "dkp_slam/dynamics/plane.h"
+#include "dkp_slam/dynamics/segments.h"
 
 namespace dkp_slam {
 
@@ -33,13 +34,13 @@ struct ClusteringOptions {
   double min_blob_share = 0.15;  ///< of the mask: an arm behind a lamp stays, a speckle goes
   /// How far the mask may grow out of a box that is too tight, share of the box's sides.
   double growth = 0.25;
-  /// Depth step between neighbouring pixels that still belong to one surface: constant (metres)
-  /// and share of the depth.
-  double step_constant = 0.01;
-  double step_share = 0.015;
-  /// Smallest share of a box's central half a depth mode needs to be taken for the object when
-  /// nothing is known of it yet: less is something thin in front of it.
+  /// Smallest share of a box's central half that a depth mode needs to be taken for the object at
+  /// first sight, mode `paper`: less is something thin in front of it.
   double first_mode_share = 0.2;
+  SegmentOptions segments;
+  /// Share of a segment that must lie in the (grown) box to be taken for a part of the object:
+  /// what runs on outside is the room or somebody else.
+  double inside_share = 0.5;
 };
 
 /// Silhouette of one object in pixels of the view.
@@ -49,6 +50,8 @@ struct ObjectMask {
   float mean_depth = 0.0F;  ///< T, metres; 0 when the mask is empty
   float share = 0.0F;       ///< R: mask pixels over the box's pixels with a known depth
   int clusters = 0;         ///< K that was used
+  bool moving = false;      ///< its main surface is proved to move
+  bool still = false;       ///< its main surface is proved to stand still
   bool empty() const { return mean_depth <= 0.0F; }
 };
 
@@ -56,13 +59,35 @@ struct ObjectMask {
 struct ObjectPrior {
   float mean_depth = 0.0F;  ///< T, metres; 0 at first sight
   float share = 0.0F;       ///< R; 0 at first sight
+  ObjectMask mask;          ///< silhouette in the frame before; empty at first sight
+  cv::Point shift;          ///< how far it moved since, pixels of the view
+  bool carried = false;     ///< not detected now: found only where its silhouette went
 };
 
-/// Cuts the object in `box` (pixels of the image) out of the depth. `planes` is CV_8UC1 of the
-/// view's size, 255 on the room's planes; empty for none.
-ObjectMask cluster_object(const DepthView& view, const cv::Mat& planes, const cv::Rect2f& box,
-                          const ObjectPrior& prior, const ClusteringOptions& options,
-                          std::uint64_t seed);
+/// Surroundings in which objects are cut out, the same for all boxes of a frame.
+struct Scene {
+  DepthView view;
+  cv::Mat planes;      ///< CV_8UC1, view size, 255 on the room's planes; empty for none
+  SegmentMap surfaces;  ///< of what lies off the planes
+};
+
+/// Builds the scene; planes are fitted where `covered` (CV_8UC1, view size) is 0, which should hold
+/// no person.
+Scene make_scene(const DepthView& view, const cv::Mat& covered, const ClusteringOptions& options,
+                 std::uint64_t seed);
+
+/// Cuts the object in `box` (pixels of the image) out of the depth. Adaptive K-means++ gives the
+/// interval of depth; of the surfaces in it those are kept that lie in the box, large enough, and
+/// are not proved to stand still while the object's main surface is another.
+ObjectMask cluster_object(const Scene& scene, const cv::Rect2f& box, const ObjectPrior& prior,
+                          const ClusteringOptions& options, std::uint64_t seed);
+
+/// Mask of an object whose detector knows the silhouette (CV_8UC1, size of `box` rounded outwards).
+ObjectMask mask_from_silhouette(const DepthView& view, const cv::Mat& silhouette,
+                                const cv::Rect2f& box);
+
+/// Pixels of the view that two masks share.
+int mask_overlap(const ObjectMask& a, const ObjectMask& b);
 
 /// Writes `label` where the object is into `labels` (CV_8UC1, image size).
 void paint_object(const ObjectMask& object, std::uint8_t label, cv::Mat& labels);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -43,23 +44,58 @@ float median(std::vector<float> values) {
 
 struct DynamicsModule::State {
   State(const Camera& c, const DynamicsOptions& o)
-      : camera(c), options(o), rays(depth_view_rays(c)), flow(o.flow), tracker(o.compensation) {}
+      : camera(c), options(o), rays(depth_view_rays(c)), motion(c, o.motion),
+        tracker(o.compensation) {}
 
   Camera camera;
   DynamicsOptions options;
   cv::Mat rays;
-  BackwardFlow flow;
+  FeatureMotionEstimator motion;
   BoxTracker tracker;
   cv::Mat previous_labels;  // CV_8UC1: i + 1 in the mask of the tracker's object i, earlier frame
-  Se3 previous_motion;      // start of the next motion estimate
+  /// A surface outside all objects that moves, and since when.
+  struct Suspect {
+    ObjectMask mask;
+    double since = 0.0;
+  };
+  std::vector<Suspect> suspects;
   std::uint64_t frame_seed = 0;
 
+  bool certain(const BoxTracker::Tracked& t) const {
+    return t.object.weight >= options.removal.certain_weight;
+  }
   std::vector<std::optional<cv::Point2f>> object_flow(const std::vector<cv::Point2f>& points,
                                                       const FlowResult& tracks) const;
-  cv::Mat cut_masks(const RgbdFrame& frame);
-  void measure(const RgbdFrame& frame, const std::vector<cv::Point2f>& points,
-               const FlowResult& tracks, std::vector<FeatureDynamics>& features);
+  std::vector<std::uint8_t> outside_boxes(const std::vector<cv::Point2f>& points) const;
+  void judge_surfaces(const std::vector<cv::Point2f>& points, const FeatureMotion& found,
+                      Scene& scene) const;
+  cv::Mat cut_masks(const RgbdFrame& frame, const std::vector<cv::Point2f>& points,
+                    const FeatureMotion& found);
+  bool cut_object(const Scene& scene, std::size_t index);
+  cv::Mat people_cover() const;
+  void add_moving_surfaces(const Scene& scene, double now);
+  void measure_epipolar(const FeatureMotion& found, std::vector<FeatureDynamics>& features) const;
 };
+
+/// Fills tracked and D of Eq. 5.
+void DynamicsModule::State::measure_epipolar(const FeatureMotion& found,
+                                             std::vector<FeatureDynamics>& features) const {
+  PointMatches matches;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    features[i].tracked = found.tracks.tracked[i] != 0;
+    if (!features[i].tracked) continue;
+    matches.current.push_back(found.now[i]);
+    matches.previous.push_back(found.then[i]);
+    matches.low.push_back(features[i].region == Region::low ? 1 : 0);
+  }
+  const auto fundamental = estimate_fundamental(matches, options.epipolar);
+  if (!fundamental) return;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (!features[i].tracked) continue;
+    features[i].epipolar_distance =
+        static_cast<float>(epipolar_distance(*fundamental, found.then[i], found.now[i]));
+  }
+}
 
 /// Median flow of the dynamic points of each tracked object (paper §3.3).
 std::vector<std::optional<cv::Point2f>> DynamicsModule::State::object_flow(
@@ -81,103 +117,148 @@ std::vector<std::optional<cv::Point2f>> DynamicsModule::State::object_flow(
   return result;
 }
 
-/// Cuts every object's mask; returns the labels, CV_8UC1 of the image's size.
-cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame) {
-  cv::Mat labels = cv::Mat::zeros(frame.depth.size(), CV_8UC1);
-  if (tracker.objects().empty()) return labels;
-  const DepthView view = make_depth_view(frame.depth, rays);
-  cv::Mat planes;
-  if (options.clustering.remove_planes && options.clustering.mode != ClusteringMode::paper) {
-    cv::Mat boxes = cv::Mat::zeros(view.depth.size(), CV_8UC1);
-    cv::Rect area;
-    for (const auto& t : tracker.objects()) {
-      const cv::Rect box = view_rect(t.object.box, view.depth.size());
-      boxes(box) = 255;
-      area |= box;
+/// 1 for points outside the boxes of all objects that move by themselves.
+std::vector<std::uint8_t> DynamicsModule::State::outside_boxes(
+    const std::vector<cv::Point2f>& points) const {
+  std::vector<std::uint8_t> outside(points.size(), 1);
+  for (const auto& t : tracker.objects()) {
+    if (!certain(t)) continue;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (t.object.box.contains(points[i])) outside[i] = 0;
     }
-    const int margin = std::max(area.width, area.height) / 4;
-    area = cv::Rect(area.x - margin, area.y - margin, area.width + 2 * margin,
-                    area.height + 2 * margin);
-    planes = plane_pixels(view, fit_planes(view, boxes, options.clustering.planes, frame_seed),
-                          area, options.clustering.planes);
   }
-  struct Cut {
-    std::size_t object;
-    ObjectMask mask;
-  };
-  std::vector<Cut> cuts;
-  std::vector<bool> gone(tracker.objects().size(), false);
-  for (std::size_t o = 0; o < tracker.objects().size(); ++o) {
-    const auto& t = tracker.objects()[o];
-    const ObjectPrior prior{t.object.mean_depth, t.object.mask_share};
-    ObjectMask mask =
-        cluster_object(view, planes, t.object.box, prior, options.clustering, frame_seed);
-    tracker.set_mask_result(o, mask.mean_depth, mask.share);
-    gone[o] = mask.empty() && t.object.compensated;
-    if (!gone[o]) cuts.push_back({o, std::move(mask)});
-  }
-  tracker.remove(gone);
-  std::vector<std::size_t> order(cuts.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  // Far ones first, so that the near ones lie on top.
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return cuts[a].mask.mean_depth > cuts[b].mask.mean_depth;
-  });
-  for (const std::size_t i : order) {
-    if (cuts[i].mask.empty()) continue;
-    paint_object(cuts[i].mask, static_cast<std::uint8_t>(i + 1), labels);
-  }
-  return labels;
+  return outside;
 }
 
-/// Fills tracked, D and the motion residual of every feature.
-void DynamicsModule::State::measure(const RgbdFrame& frame, const std::vector<cv::Point2f>& points,
-                                    const FlowResult& tracks,
-                                    std::vector<FeatureDynamics>& features) {
-  const std::vector<cv::Point2f> now = camera.undistort(points);
-  const std::vector<cv::Point2f> then = camera.undistort(tracks.previous);
-  PointMatches matches;
-  std::vector<MotionPoint> observations(points.size());
-  std::vector<bool> has_depth(points.size(), false);
-  std::vector<MotionPoint> low_points, all_points;
+/// Counts moving and still features on every surface.
+void DynamicsModule::State::judge_surfaces(const std::vector<cv::Point2f>& points,
+                                           const FeatureMotion& found, Scene& scene) const {
+  const RemovalOptions& r = options.removal;
+  // A shaking camera makes everything less certain: thresholds follow the static points' own noise.
+  const auto noise = static_cast<float>(found.camera_motion ? found.camera_motion->noise : 0.0);
+  const float moving_short = std::max(r.moving_short, r.noise_factor * noise);
+  const float moving_long = std::max(r.moving_long, r.noise_factor * noise);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    features[i].tracked = tracks.tracked[i] != 0;
-    if (!features[i].tracked) continue;
-    const bool low = features[i].region == Region::low;
-    matches.current.push_back(now[i]);
-    matches.previous.push_back(then[i]);
-    matches.low.push_back(low ? 1 : 0);
-    const float z = value_at<float>(frame.depth, points[i]);
-    observations[i].previous = {then[i].x, then[i].y};
-    if (z <= 0.0F) continue;
-    has_depth[i] = true;
-    observations[i].point = camera.unproject({now[i].x, now[i].y}, z);
-    all_points.push_back(observations[i]);
-    if (low) low_points.push_back(observations[i]);
+    const float brief = found.residual[i], lengthy = found.long_residual[i];
+    const bool moves = brief > moving_short || lengthy > moving_long;
+    const bool rests = !moves && lengthy < r.still_long;
+    if (!moves && !rests) continue;
+    const int index = segment_near(scene.surfaces, cvRound(points[i].x) / DepthView::step,
+                                   cvRound(points[i].y) / DepthView::step);
+    if (index < 0) continue;
+    Segment& segment = scene.surfaces.segments[static_cast<std::size_t>(index)];
+    ++(moves ? segment.moving : segment.still);
   }
-  const auto fundamental = estimate_fundamental(matches, options.epipolar);
-  if (fundamental) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!features[i].tracked) continue;
-      features[i].epipolar_distance =
-          static_cast<float>(epipolar_distance(*fundamental, then[i], now[i]));
+}
+
+/// Cuts one object's mask; false when a carried object is not to be found any more.
+bool DynamicsModule::State::cut_object(const Scene& scene, std::size_t index) {
+  const auto& t = tracker.objects()[index];
+  if (!certain(t)) return true;
+  if (!t.silhouette.empty()) {
+    tracker.set_mask(index, mask_from_silhouette(scene.view, t.silhouette, t.detected_box), true);
+    return true;
+  }
+  ObjectPrior prior;
+  prior.mean_depth = t.object.mean_depth;
+  prior.share = t.object.mask_share;
+  prior.mask = t.mask;
+  prior.shift = {cvRound(t.shift.x / DepthView::step), cvRound(t.shift.y / DepthView::step)};
+  prior.carried = t.object.compensated && !t.mask.empty();
+  const ObjectMask mask =
+      cluster_object(scene, t.object.box, prior, options.clustering, frame_seed);
+  tracker.set_mask(index, mask, mask.moving);
+  return !t.object.compensated || !(mask.empty() || mask.still);
+}
+
+/// People whom no detector sees: surfaces proved to move that no object holds yet.
+void DynamicsModule::State::add_moving_surfaces(const Scene& scene, double now) {
+  const SegmentMap& surfaces = scene.surfaces;
+  std::vector<Suspect> still_suspect;
+  const double needed =
+      options.removal.moving_surface_share * static_cast<double>(surfaces.labels.total());
+  for (std::size_t i = 0; i < surfaces.segments.size(); ++i) {
+    const Segment& s = surfaces.segments[i];
+    if (!s.proved_moving() || s.moving < options.removal.moving_surface_points) continue;
+    if (s.area < needed || s.flat) continue;
+    ObjectMask mask;
+    mask.area = s.box;
+    mask.mask = surfaces.labels(s.box) == static_cast<int>(i) + 1;
+    mask.mean_depth = s.mean_depth;
+    mask.share = static_cast<float>(s.area) / static_cast<float>(s.box.area());
+    int held = 0;
+    for (const auto& t : tracker.objects()) held = std::max(held, mask_overlap(mask, t.mask));
+    if (2 * held >= s.area) continue;
+    const auto known = std::find_if(suspects.begin(), suspects.end(), [&](const Suspect& before) {
+      return 2 * mask_overlap(mask, before.mask) > s.area;
+    });
+    Suspect suspect{mask, known == suspects.end() ? now : known->since};
+    if (now - suspect.since >= options.removal.moving_surface_seconds) {
+      tracker.add_moving(mask);
+    } else {
+      still_suspect.push_back(std::move(suspect));
     }
   }
-  if (options.mode != DynamicsMode::dkp_plus) return;
-  const bool enough = static_cast<int>(low_points.size()) >= options.epipolar.min_low_matches;
-  const auto motion = estimate_motion(camera, enough ? low_points : all_points, previous_motion,
-                                      options.motion, frame_seed);
-  previous_motion = motion ? motion->previous_from_current : Se3();
-  if (!motion) return;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!features[i].tracked) continue;
-    features[i].motion_residual = static_cast<float>(
-        has_depth[i]
-            ? motion_residual(camera, motion->previous_from_current, observations[i])
-            : motion_residual_without_depth(camera, motion->previous_from_current,
-                                            {now[i].x, now[i].y}, observations[i].previous,
-                                            camera.min_depth));
+  suspects = std::move(still_suspect);
+}
+
+/// Where planes must not be looked for, CV_8UC1 of the view's size: the people's boxes, or only their
+/// earlier silhouettes moved along when the boxes leave too little. Empty when there are no people.
+cv::Mat DynamicsModule::State::people_cover() const {
+  cv::Mat boxes = cv::Mat::zeros(rays.size(), CV_8UC1), silhouettes = boxes.clone();
+  bool people = false;
+  for (const auto& t : tracker.objects()) {
+    if (!certain(t)) continue;
+    people = true;
+    boxes(view_rect(t.object.box, rays.size())) = 255;
+    const cv::Point shift(cvRound(t.shift.x / DepthView::step),
+                          cvRound(t.shift.y / DepthView::step));
+    const cv::Rect to = (t.mask.area + shift) & cv::Rect(0, 0, boxes.cols, boxes.rows);
+    if (t.mask.empty() || to.area() == 0) continue;
+    silhouettes(to).setTo(255, t.mask.mask(to - shift - t.mask.area.tl()));
   }
+  if (!people) return {};
+  boxes |= silhouettes;
+  constexpr double most = 0.75;  // of the image
+  const bool too_much = cv::countNonZero(boxes) > most * static_cast<double>(boxes.total());
+  return too_much && cv::countNonZero(silhouettes) > 0 ? silhouettes : boxes;
+}
+
+/// Cuts every object's mask; returns the labels, CV_8UC1 of the image's size.
+cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame,
+                                         const std::vector<cv::Point2f>& points,
+                                         const FeatureMotion& found) {
+  cv::Mat labels = cv::Mat::zeros(frame.depth.size(), CV_8UC1);
+  const cv::Mat covered = people_cover();
+  const bool people = !covered.empty();
+  const auto movers = std::count_if(found.residual.begin(), found.residual.end(), [&](float r) {
+    return r > options.removal.moving_short;
+  });
+  const bool with_motion = options.mode == DynamicsMode::dkp_plus;
+  if (!people && (!with_motion || movers < options.removal.moving_surface_points)) {
+    return labels;
+  }
+  Scene scene =
+      make_scene(make_depth_view(frame.depth, rays), covered, options.clustering, frame_seed);
+  if (with_motion) judge_surfaces(points, found, scene);
+  std::vector<bool> gone(tracker.objects().size(), false);
+  for (std::size_t o = 0; o < gone.size(); ++o) gone[o] = !cut_object(scene, o);
+  tracker.remove(gone);
+  tracker.drop_duplicates();
+  if (with_motion) add_moving_surfaces(scene, frame.timestamp);
+  const auto& objects = tracker.objects();
+  std::vector<std::size_t> order(objects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  // Far ones first, so that the near ones lie on top.
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return objects[a].mask.mean_depth > objects[b].mask.mean_depth;
+  });
+  constexpr std::size_t most = 255;  // labels are bytes
+  for (const std::size_t i : order) {
+    if (objects[i].mask.empty() || i >= most) continue;
+    paint_object(objects[i].mask, static_cast<std::uint8_t>(i + 1), labels);
+  }
+  return labels;
 }
 
 DynamicsModule::DynamicsModule(const Camera& camera, const DynamicsOptions& options) {
@@ -209,15 +290,18 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   Stopwatch watch;
   std::vector<cv::Point2f> points;
   cv::KeyPoint::convert(keypoints, points);
-  s.flow.push(grey);
-  FlowResult tracks;
-  tracks.previous = points;
-  tracks.tracked.assign(points.size(), 0);
-  if (s.flow.earlier_frames() > 0) tracks = s.flow.track(points, 1, {});
+  FeatureMotion found = s.motion.track(grey, points, frame.timestamp);
+  s.tracker.update(frame.timestamp, size, detections, s.object_flow(points, found.tracks));
+  std::vector<std::uint8_t> low = s.outside_boxes(points);
+  if (s.options.mode == DynamicsMode::dkp_plus) {
+    s.motion.compensate(frame.depth, points, low, s.frame_seed, found);
+    std::vector<std::uint8_t> doubtful(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) doubtful[i] = low[i] == 0 ? 1 : 0;
+    s.motion.look_back(frame.depth, points, doubtful, found);
+  }
   result.removal_ms += watch.lap();
 
-  s.tracker.update(frame.timestamp, size, detections, s.object_flow(points, tracks));
-  const cv::Mat labels = s.cut_masks(frame);
+  const cv::Mat labels = s.cut_masks(frame, points, found);
   s.previous_labels = labels;
   std::vector<ObjectRegions> regions;
   for (const auto& t : s.tracker.objects()) {
@@ -228,15 +312,19 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   result.clustering_ms = watch.lap();
 
   assign_regions(points, regions, labels, s.options.regions, result.features);
+  s.measure_epipolar(found, result.features);
   std::vector<FeatureEvidence> evidence(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto label = value_at<std::uint8_t>(labels, points[i]);
     for (std::size_t o = 0; o < regions.size(); ++o) {
       const bool belongs = label > 0 ? label == o + 1 : regions[o].box.contains(points[i]);
-      if (belongs) evidence[i].object_weight = std::max(evidence[i].object_weight, regions[o].weight);
+      if (belongs) {
+        evidence[i].object_weight = std::max(evidence[i].object_weight, regions[o].weight);
+      }
     }
+    evidence[i].long_residual = found.long_residual[i];
+    result.features[i].motion_residual = found.residual[i];
   }
-  s.measure(frame, points, tracks, result.features);
   classify(s.options.mode, s.options.removal, evidence, result.features);
   result.removal_ms += watch.lap();
   return result;

@@ -10,9 +10,8 @@
 #include "dkp_slam/dynamics/box_tracker.h"
 #include "dkp_slam/dynamics/clustering.h"
 #include "dkp_slam/dynamics/epipolar.h"
-#include "dkp_slam/dynamics/flow.h"
+#include "dkp_slam/dynamics/feature_motion.h"
 #include "dkp_slam/dynamics/frame_dynamics.h"
-#include "dkp_slam/dynamics/motion_check.h"
 #include "dkp_slam/dynamics/regions.h"
 #include "dkp_slam/dynamics/removal.h"
 #include "dkp_slam/geometry/camera.h"
@@ -24,9 +23,8 @@ struct DynamicsOptions {
   DynamicsMode mode = DynamicsMode::dkp_plus;
   ClusteringOptions clustering;
   BoxTrackerOptions compensation;
-  FlowOptions flow;
+  FeatureMotionOptions motion;
   EpipolarOptions epipolar;
-  MotionOptions motion;
   RegionOptions regions;
   RemovalOptions removal;
   std::uint64_t seed = 1;

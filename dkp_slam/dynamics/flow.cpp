@@ -23,12 +23,15 @@ FlowResult BackwardFlow::track(const std::vector<cv::Point2f>& points, int frame
   const cv::Size window(options_.window, options_.window);
   const cv::TermCriteria stop(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, options_.iterations,
                               options_.epsilon);
+  // The way back starts where it should end: a true match stays there, a wrong one drifts off, and
+  // coarse levels would only cost time.
+  constexpr int back_level = 0;
   std::vector<cv::Point2f> back = points;
   std::vector<std::uint8_t> found_back;
   cv::calcOpticalFlowPyrLK(now, then, points, result.previous, result.tracked, cv::noArray(),
                            window, options_.levels, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
   cv::calcOpticalFlowPyrLK(then, now, result.previous, back, found_back, cv::noArray(), window,
-                           options_.levels, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
+                           back_level, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
   const cv::Rect2f image(0.0F, 0.0F, static_cast<float>(then[0].cols),
                          static_cast<float>(then[0].rows));
   const double limit = options_.forward_backward * options_.forward_backward;

@@ -143,16 +143,19 @@ double motion_residual(const Camera& camera, const Se3& previous_from_current,
   return (camera.project(q) - point.previous).norm();
 }
 
-double motion_residual_without_depth(const Camera& camera, const Se3& previous_from_current,
-                                     const Eigen::Vector2d& current,
-                                     const Eigen::Vector2d& previous, double near) {
-  const Eigen::Vector3d ray = camera.unproject(current, 1.0);
-  const Eigen::Vector3d turned = previous_from_current.rotation * ray;
-  const Eigen::Vector3d nearest = turned * near + previous_from_current.translation;
-  if (turned.z() < min_z || nearest.z() < min_z) return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::Vector2d far_end = camera.project(turned);
-  const Eigen::Vector2d near_end = camera.project(nearest);
-  const Eigen::Vector2d along = near_end - far_end;
+double motion_residual_between(const Camera& camera, const Se3& previous_from_current,
+                               const Eigen::Vector2d& current, const Eigen::Vector2d& previous,
+                               double near, double far) {
+  const Eigen::Vector3d turned = previous_from_current.rotation * camera.unproject(current, 1.0);
+  const Eigen::Vector3d& moved = previous_from_current.translation;
+  // Homogeneous in depth, so that far may be infinite.
+  const Eigen::Vector3d near_point = turned + moved / near;
+  const Eigen::Vector3d far_point = turned + moved / far;
+  if (near_point.z() * near < min_z || far_point.z() <= 0.0) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const Eigen::Vector2d far_end = camera.project(far_point);
+  const Eigen::Vector2d along = camera.project(near_point) - far_end;
   const double length2 = along.squaredNorm();
   const double t =
       length2 > 0.0 ? std::clamp((previous - far_end).dot(along) / length2, 0.0, 1.0) : 0.0;

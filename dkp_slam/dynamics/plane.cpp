@@ -16,8 +16,10 @@ float half_thickness(float z, const PlaneOptions& options) {
   return static_cast<float>(options.thickness_constant + options.thickness_quadratic * z * z);
 }
 
-bool on_plane(const Plane& plane, const Eigen::Vector3f& point, const PlaneOptions& options) {
-  return std::abs(plane.normal.dot(point) - plane.distance) < half_thickness(point.z(), options);
+bool on_plane(const Plane& plane, const Eigen::Vector3f& point, const PlaneOptions& options,
+              float margin = 0.0F) {
+  return std::abs(plane.normal.dot(point) - plane.distance) <
+         half_thickness(point.z(), options) + margin;
 }
 
 std::optional<Plane> through(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
@@ -113,7 +115,7 @@ cv::Mat plane_pixels(const DepthView& view, const std::vector<Plane>& planes, co
       if (z <= 0.0F) continue;
       const Eigen::Vector3f point = view.point(x, y);
       for (const Plane& plane : planes) {
-        if (!on_plane(plane, point, options)) continue;
+        if (!on_plane(plane, point, options, static_cast<float>(options.removal_margin))) continue;
         // Depth of the plane along the rays at both ends of a small cross, against what is there.
         bool along = true;
         for (const auto& [dx, dy] : std::array<std::pair<int, int>, 2>{{{reach, 0}, {0, reach}}}) {

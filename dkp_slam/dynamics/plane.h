@@ -24,6 +24,9 @@ struct PlaneOptions {
   double thickness_constant = 0.015;
   double thickness_quadratic = 0.006;
   int iterations = 80;        ///< RANSAC: with 12% of inliers in the worst case, guided by locality
+  /// Added to it when pixels are removed, metres: what lies flat on a table (books, a keyboard)
+  /// goes with it.
+  double removal_margin = 0.02;
   double slope_error = 0.45;  ///< rise over run by which a surface on the plane may lean off it
 };
 

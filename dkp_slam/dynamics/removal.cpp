@@ -17,6 +17,7 @@ bool static_by_motion(const FeatureDynamics& f, const FeatureEvidence& e,
   const bool known = f.tracked && !std::isnan(f.motion_residual);
   if (f.region == Region::low) return !known || f.motion_residual < options.residual_low;
   if (f.region == Region::high && certain) return e.proved_static;
+  if (e.long_residual >= options.residual_long) return false;  // false for NaN
   if (!certain) return !known || f.motion_residual < options.residual_object;
   return known && f.motion_residual < options.residual_suspicious;
 }

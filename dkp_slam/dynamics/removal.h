@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "dkp_slam/dynamics/frame_dynamics.h"
@@ -15,11 +16,24 @@ struct RemovalOptions {
   float residual_low = 2.0F;         ///< outside boxes
   float residual_suspicious = 1.0F;  ///< in a box, outside its mask
   float residual_object = 1.0F;      ///< on things of middle weight
+  float residual_long = 2.0F;        ///< in boxes, over the longer baseline
+  /// Residuals by which a feature counts as moving or still when surfaces are judged, pixels, from
+  /// frame to frame and over the longer baseline. Between them it says nothing.
+  float moving_short = 1.5F;
+  float moving_long = 2.5F;
+  float still_long = 1.2F;
+  float noise_factor = 4.0F;  ///< but moving only above so many sigma of the static points' residuals
+  /// A surface outside all boxes that is proved to move becomes an object by itself when it takes
+  /// at least this share of the image; smaller ones lose their points one by one.
+  double moving_surface_share = 0.01;
+  double moving_surface_seconds = 0.09;  ///< keeps moving so long: one bad frame makes no person
+  int moving_surface_points = 10;  ///< and bears so many features that move
 };
 
 /// What the classification needs to know about a feature beside its own FeatureDynamics.
 struct FeatureEvidence {
   float object_weight = 0.0F;  ///< class weight of its object; 0 in low regions
+  float long_residual = std::numeric_limits<float>::quiet_NaN();  ///< pixels, longer baseline
   bool proved_static = false;  ///< showed no motion against a longer baseline, frames running
 };
 

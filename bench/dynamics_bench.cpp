@@ -1,0 +1,222 @@
+// Measures the dynamics room alone on TUM folders: masks and features against mask/ where the
+// folder has one, and the time of each stage.
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/dynamics/dynamics_module.h"
+#include "dkp_slam/error.h"
+#include "dkp_slam/evaluation/mask_score.h"
+#include "dkp_slam/evaluation/overlay.h"
+#include "dkp_slam/feature/orb_extractor.h"
+#include "dkp_slam/sensor/camera_config.h"
+
+namespace dkp_slam {
+namespace {
+
+struct BenchOptions {
+  std::string sequence, camera, model, detections, csv, overlay, mode = "dkp+", clustering;
+  int first = 0, last = 1 << 30, overlay_every = 0;
+  std::vector<int> overlay_frames;
+};
+
+struct Entry {
+  double timestamp = 0.0;
+  std::string colour, depth;
+};
+
+std::vector<Entry> read_associations(const std::filesystem::path& folder) {
+  std::ifstream in(folder / "associations.txt");
+  if (!in) throw Error("dynamics_bench: no associations.txt in " + folder.string());
+  std::vector<Entry> entries;
+  Entry e;
+  double depth_time = 0.0;
+  while (in >> e.timestamp >> e.colour >> depth_time >> e.depth) entries.push_back(e);
+  return entries;
+}
+
+/// Lines "frame class score x y width height", as a stand-in for the network in repeated runs.
+std::map<int, std::vector<Detection>> read_detections(const std::string& path) {
+  std::map<int, std::vector<Detection>> all;
+  std::ifstream in(path);
+  std::string line;
+  const ClassTable classes;
+  while (std::getline(in, line)) {
+    std::istringstream words(line);
+    int frame = 0;
+    Detection d;
+    words >> frame >> d.class_id >> d.score >> d.box.x >> d.box.y >> d.box.width >> d.box.height;
+    d.weight = classes.weight(d.class_id);
+    all[frame].push_back(d);
+  }
+  return all;
+}
+
+DynamicsMode mode_of(const std::string& name) {
+  const std::map<std::string, DynamicsMode> modes{{"off", DynamicsMode::off},
+                                                  {"d", DynamicsMode::d},
+                                                  {"dk", DynamicsMode::dk},
+                                                  {"dkp", DynamicsMode::dkp},
+                                                  {"dkp+", DynamicsMode::dkp_plus}};
+  return modes.at(name);
+}
+
+double median(std::vector<double> v) {
+  if (v.empty()) return 0.0;
+  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+  return v[v.size() / 2];
+}
+
+/// Overlay and depth side by side, both with the outlines of the truth (white) and the mask (red).
+cv::Mat picture_of(const RgbdFrame& frame, const std::vector<cv::KeyPoint>& keypoints,
+                   const FrameDynamics& result, const cv::Mat& truth) {
+  cv::Mat overlay = draw_overlay(frame, keypoints, result), scaled, depth, picture;
+  frame.depth.convertTo(scaled, CV_8U, 255.0 / 4.0);
+  cv::applyColorMap(scaled, depth, cv::COLORMAP_JET);
+  depth.setTo(cv::Scalar(), frame.depth <= 0.0F);
+  const auto outline = [](const cv::Mat& mask, const cv::Scalar& colour, cv::Mat& canvas) {
+    if (mask.empty()) return;
+    std::vector<std::vector<cv::Point>> contours;
+    cv::findContours(mask.clone(), contours, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
+    cv::drawContours(canvas, contours, -1, colour, 2);
+  };
+  for (cv::Mat* canvas : {&overlay, &depth}) outline(truth, {255, 255, 255}, *canvas);
+  outline(result.mask, {60, 60, 255}, depth);
+  cv::hconcat(overlay, depth, picture);
+  return picture;
+}
+
+struct Totals {
+  MaskScoreTally tally;
+  std::size_t frames = 0, features = 0, kept = 0;
+  std::vector<double> clustering_ms, removal_ms;
+};
+
+void run(const BenchOptions& bench) {
+  const Camera camera = load_camera(bench.camera);
+  DynamicsOptions options;
+  options.mode = mode_of(bench.mode);
+  if (bench.clustering == "paper") options.clustering.mode = ClusteringMode::paper;
+  if (bench.clustering == "band") options.clustering.mode = ClusteringMode::band;
+  DynamicsModule dynamics(camera, options);
+  OrbExtractor orb;
+  std::unique_ptr<Detector> detector;
+  if (!bench.model.empty()) {
+    YoloxOptions yolox;
+    yolox.model = bench.model;
+    detector = make_yolox_detector(yolox);
+  }
+  const auto cached = read_detections(bench.detections);
+  const std::filesystem::path folder(bench.sequence);
+  const std::vector<Entry> entries = read_associations(folder);
+  if (!bench.overlay.empty()) std::filesystem::create_directories(bench.overlay);
+  std::ofstream csv(bench.csv);
+  if (csv) csv << "frame,iou,inside,inside_removed,outside,outside_kept,clustering_ms,removal_ms\n";
+  Totals totals;
+  const int end = std::min(static_cast<int>(entries.size()), bench.last);
+  for (int i = bench.first; i < end; ++i) {
+    const Entry& e = entries[static_cast<std::size_t>(i)];
+    RgbdFrame frame;
+    frame.index = i;
+    frame.timestamp = e.timestamp;
+    frame.colour = cv::imread((folder / e.colour).string());
+    const cv::Mat raw = cv::imread((folder / e.depth).string(), cv::IMREAD_UNCHANGED);
+    raw.convertTo(frame.depth, CV_32F, 1.0 / camera.depth_scale);
+    frame.depth.setTo(0.0F, frame.depth < camera.min_depth);
+    frame.depth.setTo(0.0F, frame.depth > camera.max_depth);
+    cv::Mat grey;
+    cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
+    const auto keypoints = orb.extract(grey).keypoints;
+    std::vector<Detection> detections;
+    if (detector) {
+      detections = detector->detect(frame);
+    } else if (const auto found = cached.find(i); found != cached.end()) {
+      detections = found->second;
+    }
+    const FrameDynamics result = dynamics.process(frame, grey, keypoints, detections);
+    ++totals.frames;
+    totals.features += keypoints.size();
+    totals.clustering_ms.push_back(result.clustering_ms);
+    totals.removal_ms.push_back(result.removal_ms);
+    std::vector<cv::Point2f> points;
+    std::vector<bool> kept;
+    for (std::size_t k = 0; k < keypoints.size(); ++k) {
+      points.push_back(keypoints[k].pt);
+      kept.push_back(result.features[k].is_static);
+      totals.kept += kept.back() ? 1 : 0;
+    }
+    const auto mask_path = folder / "mask" / std::filesystem::path(e.colour).filename();
+    const cv::Mat truth = std::filesystem::exists(mask_path)
+                              ? cv::imread(mask_path.string(), cv::IMREAD_GRAYSCALE)
+                              : cv::Mat();
+    FeatureCounts counts;
+    double iou = -1.0;
+    if (!truth.empty()) {
+      const auto scores = score_mask(truth, result.mask);
+      counts = count_features(truth, points, kept);
+      totals.tally.add(scores, counts);
+      if (!scores.empty()) {
+        iou = 0.0;
+        for (const auto& s : scores) iou += s.iou / static_cast<double>(scores.size());
+      }
+    }
+    if (csv) {
+      csv << fmt::format("{},{:.3f},{},{},{},{},{:.2f},{:.2f}\n", i, iou, counts.inside,
+                         counts.inside_removed, counts.outside, counts.outside_kept,
+                         result.clustering_ms, result.removal_ms);
+    }
+    const bool listed = std::find(bench.overlay_frames.begin(), bench.overlay_frames.end(), i) !=
+                        bench.overlay_frames.end();
+    const bool due = bench.overlay_every > 0 && i % bench.overlay_every == 0;
+    if (!bench.overlay.empty() && (listed || due)) {
+      cv::imwrite(fmt::format("{}/{:04d}.png", bench.overlay, i),
+                  picture_of(frame, keypoints, result, truth));
+    }
+  }
+  const auto percent = [](const std::optional<double>& v) {
+    return v ? fmt::format("{:.2f}", 100.0 * *v) : std::string("-");
+  };
+  fmt::print("{} mode {}: {} frames, mean IoU {} % over {}, removed {} %, kept {} %, features {} kept "
+             "{}, clustering {:.2f} ms, removal {:.2f} ms\n",
+             folder.filename().string(), bench.mode, totals.frames, percent(totals.tally.mean_iou()),
+             totals.tally.frames(), percent(totals.tally.removed_share()),
+             percent(totals.tally.kept_share()), totals.features, totals.kept,
+             median(totals.clustering_ms), median(totals.removal_ms));
+}
+
+}  // namespace
+}  // namespace dkp_slam
+
+int main(int argc, char** argv) {
+  CLI::App app("Measures the dynamics room on a TUM folder");
+  dkp_slam::BenchOptions bench;
+  app.add_option("sequence", bench.sequence, "TUM folder with associations.txt")->required();
+  app.add_option("--camera", bench.camera, "camera file")->required();
+  app.add_option("--model", bench.model, "YOLOX model");
+  app.add_option("--detections", bench.detections, "file of detections instead of a model");
+  app.add_option("--mode", bench.mode)->check(CLI::IsMember({"off", "d", "dk", "dkp", "dkp+"}));
+  app.add_option("--clustering", bench.clustering)->check(CLI::IsMember({"adaptive", "paper", "band"}));
+  app.add_option("--first", bench.first, "first frame");
+  app.add_option("--last", bench.last, "frame to stop before");
+  app.add_option("--csv", bench.csv, "figures of every frame");
+  app.add_option("--overlay", bench.overlay, "folder for pictures");
+  app.add_option("--overlay-every", bench.overlay_every, "a picture every so many frames");
+  app.add_option("--overlay-frames", bench.overlay_frames, "pictures of these frames")->delimiter(',');
+  CLI11_PARSE(app, argc, argv);
+  try {
+    dkp_slam::run(bench);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+  return 0;
+}

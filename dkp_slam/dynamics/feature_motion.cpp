@@ -1,0 +1,140 @@
+#include "dkp_slam/dynamics/feature_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dkp_slam {
+namespace {
+
+constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+
+float depth_at(const cv::Mat& depth, const cv::Point2f& p) {
+  return depth.at<float>(std::clamp(cvRound(p.y), 0, depth.rows - 1),
+                         std::clamp(cvRound(p.x), 0, depth.cols - 1));
+}
+
+/// Nearest and farthest known depth within `reach` pixels; {0, 0} where there is none.
+std::pair<double, double> depths_around(const cv::Mat& depth, const cv::Point2f& p, float reach) {
+  double near = 0.0, far = 0.0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const double z = static_cast<double>(depth_at(
+          depth, p + reach * cv::Point2f(static_cast<float>(dx), static_cast<float>(dy))));
+      if (z <= 0.0) continue;
+      near = near > 0.0 ? std::min(near, z) : z;
+      far = std::max(far, z);
+    }
+  }
+  return {near, far};
+}
+
+Eigen::Vector2d vector_of(const cv::Point2f& p) { return {p.x, p.y}; }
+
+}  // namespace
+
+FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey,
+                                            const std::vector<cv::Point2f>& points, double time) {
+  flow_.push(grey);
+  steps_.push_front({time, std::nullopt});
+  while (static_cast<int>(steps_.size()) > options_.flow.history + 1) steps_.pop_back();
+  FeatureMotion motion;
+  motion.tracks.previous = points;
+  motion.tracks.tracked.assign(points.size(), 0);
+  if (flow_.earlier_frames() > 0) motion.tracks = flow_.track(points, 1, {});
+  motion.residual.assign(points.size(), unknown);
+  motion.long_residual.assign(points.size(), unknown);
+  motion.now = camera_.undistort(points);
+  motion.then = camera_.undistort(motion.tracks.previous);
+  return motion;
+}
+
+double FeatureMotionEstimator::residual_at(const cv::Mat& depth, const cv::Point2f& raw,
+                                           const cv::Point2f& now, const cv::Point2f& then,
+                                           const cv::Point2f& flow, const Se3& then_from_now) const {
+  constexpr double least = 2.0;  // pixels: depth images are that ragged at edges
+  const double reach = std::clamp(options_.depth_lag * std::hypot(flow.x, flow.y), least,
+                                  options_.max_lag_pixels);
+  auto [near, far] = depths_around(depth, raw, static_cast<float>(reach));
+  if (near <= 0.0) {
+    near = camera_.min_depth;
+    far = std::numeric_limits<double>::infinity();
+  }
+  return motion_residual_between(camera_, then_from_now, vector_of(now), vector_of(then), near, far);
+}
+
+void FeatureMotionEstimator::compensate(const cv::Mat& depth,
+                                        const std::vector<cv::Point2f>& points,
+                                        const std::vector<std::uint8_t>& low, std::uint64_t seed,
+                                        FeatureMotion& motion) {
+  std::vector<MotionPoint> observed(points.size()), low_points, all_points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (motion.tracks.tracked[i] == 0) continue;
+    observed[i].previous = vector_of(motion.then[i]);
+    const float z = depth_at(depth, points[i]);
+    if (z <= 0.0F) continue;
+    observed[i].point = camera_.unproject(vector_of(motion.now[i]), static_cast<double>(z));
+    all_points.push_back(observed[i]);
+    if (low[i] != 0) low_points.push_back(observed[i]);
+  }
+  Se3 guess;  // the camera goes on as it moved before
+  if (steps_.size() > 1 && steps_[1].previous_from_this) guess = *steps_[1].previous_from_this;
+  const bool enough = static_cast<int>(low_points.size()) >= options_.min_low_points;
+  motion.camera_motion =
+      estimate_motion(camera_, enough ? low_points : all_points, guess, options_.motion, seed);
+  if (!motion.camera_motion) return;
+  const Se3& previous_from_this = motion.camera_motion->previous_from_current;
+  steps_.front().previous_from_this = previous_from_this;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (motion.tracks.tracked[i] == 0) continue;
+    const cv::Point2f flow = motion.then[i] - motion.now[i];
+    motion.residual[i] = static_cast<float>(
+        residual_at(depth, points[i], motion.now[i], motion.then[i], flow, previous_from_this));
+  }
+}
+
+void FeatureMotionEstimator::look_back(const cv::Mat& depth,
+                                       const std::vector<cv::Point2f>& points,
+                                       const std::vector<std::uint8_t>& wanted,
+                                       FeatureMotion& motion) const {
+  // Steps back whose age is nearest to the baseline, over a chain of known motions.
+  Se3 earlier_from_now;
+  int frames_back = 0;
+  Se3 chain;
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k + 1 < steps_.size() && steps_[k].previous_from_this; ++k) {
+    chain = *steps_[k].previous_from_this * chain;
+    const double off = std::abs(steps_.front().time - steps_[k + 1].time - options_.long_baseline);
+    if (off >= best) continue;
+    best = off;
+    frames_back = static_cast<int>(k) + 1;
+    earlier_from_now = chain;
+  }
+  if (frames_back < 2) return;
+  std::vector<cv::Point2f> from, guess;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float z = depth_at(depth, points[i]);
+    if (wanted[i] == 0 || z <= 0.0F) continue;
+    const Eigen::Vector3d q =
+        earlier_from_now * camera_.unproject(vector_of(motion.now[i]), static_cast<double>(z));
+    if (q.z() < camera_.min_depth) continue;
+    const Eigen::Vector2d raw = camera_.distort(camera_.project(q));
+    if (raw.x() < 0 || raw.y() < 0 || raw.x() >= depth.cols || raw.y() >= depth.rows) continue;
+    from.push_back(points[i]);
+    guess.emplace_back(static_cast<float>(raw.x()), static_cast<float>(raw.y()));
+    index.push_back(i);
+  }
+  if (from.empty()) return;
+  const FlowResult tracks = flow_.track(from, frames_back, guess);
+  const std::vector<cv::Point2f> then = camera_.undistort(tracks.previous);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (tracks.tracked[i] == 0) continue;
+    // The lag is between images of one frame: flow per frame counts, not over the baseline.
+    const cv::Point2f flow = (then[i] - motion.now[index[i]]) * (1.0F / static_cast<float>(frames_back));
+    motion.long_residual[index[i]] = static_cast<float>(
+        residual_at(depth, from[i], motion.now[index[i]], then[i], flow, earlier_from_now));
+  }
+}
+
+}  // namespace dkp_slam
