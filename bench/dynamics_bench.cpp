@@ -7,8 +7,8 @@
 #include <map>
 #include <sstream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -185,12 +185,13 @@ void run(const BenchOptions& bench) {
   const auto percent = [](const std::optional<double>& v) {
     return v ? fmt::format("{:.2f}", 100.0 * *v) : std::string("-");
   };
-  fmt::print("{} mode {}: {} frames, mean IoU {} % over {}, removed {} %, kept {} %, features {} kept "
-             "{}, clustering {:.2f} ms, removal {:.2f} ms\n",
-             folder.filename().string(), bench.mode, totals.frames, percent(totals.tally.mean_iou()),
-             totals.tally.frames(), percent(totals.tally.removed_share()),
-             percent(totals.tally.kept_share()), totals.features, totals.kept,
-             median(totals.clustering_ms), median(totals.removal_ms));
+  fmt::print(
+      "{} mode {}: {} frames, mean IoU {} % over {}, removed {} %, kept {} %, features {} kept "
+      "{}, clustering {:.2f} ms, removal {:.2f} ms\n",
+      folder.filename().string(), bench.mode, totals.frames, percent(totals.tally.mean_iou()),
+      totals.tally.frames(), percent(totals.tally.removed_share()),
+      percent(totals.tally.kept_share()), totals.features, totals.kept,
+      median(totals.clustering_ms), median(totals.removal_ms));
 }
 
 }  // namespace
@@ -204,13 +205,15 @@ int main(int argc, char** argv) {
   app.add_option("--model", bench.model, "YOLOX model");
   app.add_option("--detections", bench.detections, "file of detections instead of a model");
   app.add_option("--mode", bench.mode)->check(CLI::IsMember({"off", "d", "dk", "dkp", "dkp+"}));
-  app.add_option("--clustering", bench.clustering)->check(CLI::IsMember({"adaptive", "paper", "band"}));
+  app.add_option("--clustering", bench.clustering)
+      ->check(CLI::IsMember({"adaptive", "paper", "band"}));
   app.add_option("--first", bench.first, "first frame");
   app.add_option("--last", bench.last, "frame to stop before");
   app.add_option("--csv", bench.csv, "figures of every frame");
   app.add_option("--overlay", bench.overlay, "folder for pictures");
   app.add_option("--overlay-every", bench.overlay_every, "a picture every so many frames");
-  app.add_option("--overlay-frames", bench.overlay_frames, "pictures of these frames")->delimiter(',');
+  app.add_option("--overlay-frames", bench.overlay_frames, "pictures of these frames")
+      ->delimiter(',');
   CLI11_PARSE(app, argc, argv);
   try {
     dkp_slam::run(bench);

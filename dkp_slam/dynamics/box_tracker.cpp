@@ -9,8 +9,8 @@ namespace dkp_slam {
 namespace {
 
 cv::Rect2f clipped(const cv::Rect2f& box, const cv::Size& image) {
-  return box & cv::Rect2f(0.0F, 0.0F, static_cast<float>(image.width),
-                          static_cast<float>(image.height));
+  return box &
+         cv::Rect2f(0.0F, 0.0F, static_cast<float>(image.width), static_cast<float>(image.height));
 }
 
 /// Box, pixels of the image, around a mask that is not empty.
@@ -55,9 +55,9 @@ void BoxTracker::update(double time, const cv::Size& image,
       const Detection& detection = detections[d];
       const int known_class = objects_[o].object.class_id;
       // What was only seen to move takes the name of the first detection that fits.
-      const bool same = detection.class_id == known_class ||
-                        (known_class == Detection::motion_class &&
-                         detection.weight >= options_.min_weight);
+      const bool same =
+          detection.class_id == known_class ||
+          (known_class == Detection::motion_class && detection.weight >= options_.min_weight);
       if (detection.weight <= 1.0F || !same) continue;
       const bool weak_is_enough = options_.compensate && detection.weight >= options_.min_weight;
       const float needed = weak_is_enough ? options_.continue_score : options_.start_score;

@@ -41,8 +41,8 @@ class BoxTracker {
     cv::Point2f velocity;     ///< pixels a second
     cv::Mat silhouette;       ///< the detection's own mask, Detection::mask; empty for none
     cv::Rect2f detected_box;  ///< where `silhouette` lies
-    ObjectMask mask;          ///< of the newest frame once `set_mask` was called, else of the one before
-    cv::Point2f shift;        ///< pixels it moved since the frame before
+    ObjectMask mask;    ///< of the newest frame once `set_mask` was called, else of the one before
+    cv::Point2f shift;  ///< pixels it moved since the frame before
     double last_confirmed = 0.0;  ///< seconds: detected, or seen to move
   };
 

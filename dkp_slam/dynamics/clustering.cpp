@@ -68,8 +68,7 @@ float matched_half_width(const DepthHistogram& histogram, float mean_depth, floa
   const double wanted = static_cast<double>(share) * histogram.total();
   float half = histogram.bin_width();
   constexpr float widest = 1.0F;
-  while (half < widest &&
-         histogram.count_between(mean_depth - half, mean_depth + half) < wanted) {
+  while (half < widest && histogram.count_between(mean_depth - half, mean_depth + half) < wanted) {
     half += histogram.bin_width();
   }
   return half;
@@ -199,9 +198,9 @@ int main_candidate(const SegmentMap& surfaces, const std::vector<Candidate>& can
     score *= 0.3 + rect_iou(s.box, inner);
     if (s.proved_moving()) score *= 2.0;
     if (s.proved_still()) score *= 0.25;
-    if (s.flat) score *= 0.2;
     if (prior.mean_depth > 0.0F) {
-      const double off = static_cast<double>(s.mean_depth - prior.mean_depth) / options.join_distance;
+      const double off =
+          static_cast<double>(s.mean_depth - prior.mean_depth) / options.join_distance;
       score *= 0.3 + std::exp(-off * off) + overlap;
     }
     if (score > best_score) {
@@ -209,7 +208,10 @@ int main_candidate(const SegmentMap& surfaces, const std::vector<Candidate>& can
       best = static_cast<int>(i);
     }
   }
-  return best;
+  if (best < 0) return -1;
+  // A monitor or a wall in front of the person: better no mask than a wrong one.
+  const Segment& winner = surfaces.segments[candidates[static_cast<std::size_t>(best)].segment];
+  return winner.flat && !winner.proved_moving() ? -1 : best;
 }
 
 /// Adds the main surface and those that belong to it.
@@ -228,7 +230,7 @@ void paint_surfaces(const Scene& scene, const std::vector<Candidate>& candidates
     const bool known = 2 * c.in_prior > c.in_grown;
     if (static_cast<int>(i) == main) {
       take[c.segment] = inside ? whole : in_interval;
-    } else if (!inside || s.proved_still() || (s.flat && !known)) {
+    } else if (!inside || s.proved_still() || (s.flat && !s.proved_moving())) {
       continue;
     } else if (s.proved_moving()) {
       take[c.segment] = whole;  // a second person at another depth
@@ -278,9 +280,9 @@ void paint_object(const ObjectMask& object, std::uint8_t label, cv::Mat& labels)
   for (int y = 0; y < object.area.height; ++y) {
     for (int x = 0; x < object.area.width; ++x) {
       if (object.mask.at<std::uint8_t>(y, x) == 0) continue;
-      const cv::Rect pixels = cv::Rect((x + object.area.x) * step, (y + object.area.y) * step, step,
-                                       step) &
-                              cv::Rect(0, 0, labels.cols, labels.rows);
+      const cv::Rect pixels =
+          cv::Rect((x + object.area.x) * step, (y + object.area.y) * step, step, step) &
+          cv::Rect(0, 0, labels.cols, labels.rows);
       labels(pixels) = label;
     }
   }
@@ -316,10 +318,10 @@ Scene make_scene(const DepthView& view, const cv::Mat& covered, const Clustering
   Scene scene;
   scene.view = view;
   if (options.mode == ClusteringMode::paper) return scene;
-  if (options.remove_planes) {
+  if (options.remove_planes && !covered.empty()) {
     const cv::Rect whole(0, 0, view.depth.cols, view.depth.rows);
-    scene.planes = plane_pixels(view, fit_planes(view, covered, options.planes, seed), whole,
-                                options.planes);
+    scene.planes =
+        plane_pixels(view, fit_planes(view, covered, options.planes, seed), whole, options.planes);
   }
   scene.surfaces = segment_surfaces(view, scene.planes, options.segments);
   return scene;
@@ -343,13 +345,16 @@ ObjectMask cluster_object(const Scene& scene, const cv::Rect2f& box, const Objec
                                       options.first_mode_share, 2.0 * options.join_distance);
     }
   } else {
-    candidates = find_candidates(scene.surfaces, inner, grown(inner, options.growth, view.depth.size()),
-                                 prior);
+    candidates = find_candidates(scene.surfaces, inner,
+                                 grown(inner, options.growth, view.depth.size()), prior);
     main = main_candidate(scene.surfaces, candidates, inner, prior, options);
     if (main < 0) return out;
-    const float seen = scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].mean_depth;
-    out.moving = scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].proved_moving();
-    out.still = scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].proved_still();
+    const float seen =
+        scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].mean_depth;
+    out.moving =
+        scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].proved_moving();
+    out.still =
+        scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].proved_still();
     // A prior that the main surface contradicts was about something else.
     if (std::abs(seen - mean_depth) > static_cast<float>(options.join_distance)) {
       mean_depth = seen;

@@ -26,11 +26,11 @@ struct ClusteringOptions {
   /// Clusters whose centres lie this near to the chosen one belong to it, metres: half the depth
   /// of a person with an arm stretched out.
   double join_distance = 0.30;
-  double band = 0.33;           ///< metres to each side of T, mode `band`
+  double band = 0.33;               ///< metres to each side of T, mode `band`
   double raw_depth_scale = 5000.0;  ///< depth units per metre of Eq. 1, mode `paper`
-  bool remove_planes = true;    ///< tables and floors run through the person's depth
+  bool remove_planes = true;        ///< tables and floors run through the person's depth
   PlaneOptions planes;
-  int opening = 1;              ///< radius of the opening, pixels of the view: speckles of depth
+  int opening = 1;               ///< radius of the opening, pixels of the view: speckles of depth
   double min_blob_share = 0.15;  ///< of the mask: an arm behind a lamp stays, a speckle goes
   /// How far the mask may grow out of a box that is too tight, share of the box's sides.
   double growth = 0.25;
@@ -67,7 +67,7 @@ struct ObjectPrior {
 /// Surroundings in which objects are cut out, the same for all boxes of a frame.
 struct Scene {
   DepthView view;
-  cv::Mat planes;      ///< CV_8UC1, view size, 255 on the room's planes; empty for none
+  cv::Mat planes;       ///< CV_8UC1, view size, 255 on the room's planes; empty for none
   SegmentMap surfaces;  ///< of what lies off the planes
 };
 

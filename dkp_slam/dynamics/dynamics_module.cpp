@@ -44,7 +44,10 @@ float median(std::vector<float> values) {
 
 struct DynamicsModule::State {
   State(const Camera& c, const DynamicsOptions& o)
-      : camera(c), options(o), rays(depth_view_rays(c)), motion(c, o.motion),
+      : camera(c),
+        options(o),
+        rays(depth_view_rays(c)),
+        motion(c, o.motion),
         tracker(o.compensation) {}
 
   Camera camera;
@@ -202,8 +205,9 @@ void DynamicsModule::State::add_moving_surfaces(const Scene& scene, double now) 
   suspects = std::move(still_suspect);
 }
 
-/// Where planes must not be looked for, CV_8UC1 of the view's size: the people's boxes, or only their
-/// earlier silhouettes moved along when the boxes leave too little. Empty when there are no people.
+/// Where planes must not be looked for, CV_8UC1 of the view's size: the people's boxes, or only
+/// their earlier silhouettes moved along when the boxes leave too little. Empty when there are no
+/// people.
 cv::Mat DynamicsModule::State::people_cover() const {
   cv::Mat boxes = cv::Mat::zeros(rays.size(), CV_8UC1), silhouettes = boxes.clone();
   bool people = false;
@@ -231,9 +235,8 @@ cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame,
   cv::Mat labels = cv::Mat::zeros(frame.depth.size(), CV_8UC1);
   const cv::Mat covered = people_cover();
   const bool people = !covered.empty();
-  const auto movers = std::count_if(found.residual.begin(), found.residual.end(), [&](float r) {
-    return r > options.removal.moving_short;
-  });
+  const auto movers = std::count_if(found.residual.begin(), found.residual.end(),
+                                    [&](float r) { return r > options.removal.moving_short; });
   const bool with_motion = options.mode == DynamicsMode::dkp_plus;
   if (!people && (!with_motion || movers < options.removal.moving_surface_points)) {
     return labels;
@@ -290,7 +293,7 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   Stopwatch watch;
   std::vector<cv::Point2f> points;
   cv::KeyPoint::convert(keypoints, points);
-  FeatureMotion found = s.motion.track(grey, points, frame.timestamp);
+  FeatureMotion found = s.motion.track(grey, frame.depth, points, frame.timestamp);
   s.tracker.update(frame.timestamp, size, detections, s.object_flow(points, found.tracks));
   std::vector<std::uint8_t> low = s.outside_boxes(points);
   if (s.options.mode == DynamicsMode::dkp_plus) {

@@ -24,8 +24,8 @@ struct PointMatches {
 };
 
 /// F with current' F previous = 0: RANSAC over 7-point samples (Hartley and Zisserman, 11.1.2) of
-/// the low-region matches, refined by the 8-point method on its inliers. Nothing when there are too few
-/// matches or no model holds. Repeats exactly for the same matches.
+/// the low-region matches, refined by the 8-point method on its inliers. Nothing when there are too
+/// few matches or no model holds. Repeats exactly for the same matches.
 std::optional<cv::Matx33d> estimate_fundamental(const PointMatches& matches,
                                                 const EpipolarOptions& options);
 

@@ -19,8 +19,8 @@ std::pair<double, double> depths_around(const cv::Mat& depth, const cv::Point2f&
   double near = 0.0, far = 0.0;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
-      const double z = static_cast<double>(depth_at(
-          depth, p + reach * cv::Point2f(static_cast<float>(dx), static_cast<float>(dy))));
+      const double z = static_cast<double>(
+          depth_at(depth, p + reach * cv::Point2f(static_cast<float>(dx), static_cast<float>(dy))));
       if (z <= 0.0) continue;
       near = near > 0.0 ? std::min(near, z) : z;
       far = std::max(far, z);
@@ -33,34 +33,57 @@ Eigen::Vector2d vector_of(const cv::Point2f& p) { return {p.x, p.y}; }
 
 }  // namespace
 
-FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey,
+std::vector<cv::Point2f> FeatureMotionEstimator::predict(
+    const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+    const std::vector<cv::Point2f>& flat) const {
+  if (steps_.size() < 2 || !steps_[1].previous_from_this) return points;
+  const Se3& previous_from_this = *steps_[1].previous_from_this;
+  std::vector<cv::Point2f> guess = points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double known = static_cast<double>(depth_at(depth, points[i]));
+    constexpr double typical = 3.0;  // metres: what has no depth is mostly far
+    const double z = known > 0.0 ? known : typical;
+    const Eigen::Vector3d q = previous_from_this * camera_.unproject(vector_of(flat[i]), z);
+    if (q.z() < camera_.min_depth) continue;
+    const Eigen::Vector2d raw = camera_.distort(camera_.project(q));
+    if (raw.x() < 0 || raw.y() < 0 || raw.x() >= depth.cols || raw.y() >= depth.rows) continue;
+    guess[i] = {static_cast<float>(raw.x()), static_cast<float>(raw.y())};
+  }
+  return guess;
+}
+
+FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& depth,
                                             const std::vector<cv::Point2f>& points, double time) {
   flow_.push(grey);
   steps_.push_front({time, std::nullopt});
   while (static_cast<int>(steps_.size()) > options_.flow.history + 1) steps_.pop_back();
   FeatureMotion motion;
+  motion.now = camera_.undistort(points);
   motion.tracks.previous = points;
   motion.tracks.tracked.assign(points.size(), 0);
-  if (flow_.earlier_frames() > 0) motion.tracks = flow_.track(points, 1, {});
+  if (flow_.earlier_frames() > 0) {
+    motion.tracks = flow_.track(points, 1, predict(depth, points, motion.now));
+  }
+  motion.then = camera_.undistort(motion.tracks.previous);
   motion.residual.assign(points.size(), unknown);
   motion.long_residual.assign(points.size(), unknown);
-  motion.now = camera_.undistort(points);
-  motion.then = camera_.undistort(motion.tracks.previous);
   return motion;
 }
 
 double FeatureMotionEstimator::residual_at(const cv::Mat& depth, const cv::Point2f& raw,
                                            const cv::Point2f& now, const cv::Point2f& then,
-                                           const cv::Point2f& flow, const Se3& then_from_now) const {
+                                           const cv::Point2f& flow,
+                                           const Se3& then_from_now) const {
   constexpr double least = 2.0;  // pixels: depth images are that ragged at edges
-  const double reach = std::clamp(options_.depth_lag * std::hypot(flow.x, flow.y), least,
-                                  options_.max_lag_pixels);
+  const double reach =
+      std::clamp(options_.depth_lag * std::hypot(flow.x, flow.y), least, options_.max_lag_pixels);
   auto [near, far] = depths_around(depth, raw, static_cast<float>(reach));
   if (near <= 0.0) {
     near = camera_.min_depth;
     far = std::numeric_limits<double>::infinity();
   }
-  return motion_residual_between(camera_, then_from_now, vector_of(now), vector_of(then), near, far);
+  return motion_residual_between(camera_, then_from_now, vector_of(now), vector_of(then), near,
+                                 far);
 }
 
 void FeatureMotionEstimator::compensate(const cv::Mat& depth,
@@ -93,8 +116,7 @@ void FeatureMotionEstimator::compensate(const cv::Mat& depth,
   }
 }
 
-void FeatureMotionEstimator::look_back(const cv::Mat& depth,
-                                       const std::vector<cv::Point2f>& points,
+void FeatureMotionEstimator::look_back(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                                        const std::vector<std::uint8_t>& wanted,
                                        FeatureMotion& motion) const {
   // Steps back whose age is nearest to the baseline, over a chain of known motions.
@@ -131,7 +153,8 @@ void FeatureMotionEstimator::look_back(const cv::Mat& depth,
   for (std::size_t i = 0; i < from.size(); ++i) {
     if (tracks.tracked[i] == 0) continue;
     // The lag is between images of one frame: flow per frame counts, not over the baseline.
-    const cv::Point2f flow = (then[i] - motion.now[index[i]]) * (1.0F / static_cast<float>(frames_back));
+    const cv::Point2f flow =
+        (then[i] - motion.now[index[i]]) * (1.0F / static_cast<float>(frames_back));
     motion.long_residual[index[i]] = static_cast<float>(
         residual_at(depth, from[i], motion.now[index[i]], then[i], flow, earlier_from_now));
   }

@@ -24,7 +24,7 @@ struct FeatureMotionOptions {
   /// either side.
   double depth_lag = 0.6;
   double max_lag_pixels = 8.0;  ///< and no farther than this, or everything has two depths
-  int min_low_points = 30;  ///< fewer outside the boxes: all points give the camera motion
+  int min_low_points = 30;      ///< fewer outside the boxes: all points give the camera motion
 };
 
 /// What flow says about the features of the newest frame. Vectors run parallel to the features.
@@ -43,7 +43,9 @@ class FeatureMotionEstimator {
       : camera_(camera), options_(options), flow_(options.flow) {}
 
   /// Takes the newest frame and tracks its features (raw pixels) one frame back.
-  FeatureMotion track(const cv::Mat& grey, const std::vector<cv::Point2f>& points, double time);
+  /// Starts where the camera's last motion would take them, were they static.
+  FeatureMotion track(const cv::Mat& grey, const cv::Mat& depth,
+                      const std::vector<cv::Point2f>& points, double time);
   /// Fills camera_motion from the features flagged low, and `residual`.
   void compensate(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                   const std::vector<std::uint8_t>& low, std::uint64_t seed, FeatureMotion& motion);
@@ -56,6 +58,8 @@ class FeatureMotionEstimator {
     double time = 0.0;
     std::optional<Se3> previous_from_this;
   };
+  std::vector<cv::Point2f> predict(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                                   const std::vector<cv::Point2f>& flat) const;
   double residual_at(const cv::Mat& depth, const cv::Point2f& raw, const cv::Point2f& now,
                      const cv::Point2f& then, const cv::Point2f& flow,
                      const Se3& then_from_now) const;

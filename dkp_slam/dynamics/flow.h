@@ -10,7 +10,7 @@ namespace dkp_slam {
 
 struct FlowOptions {
   int window = 15;  ///< pixels; larger windows straddle outlines of people
-  int levels = 3;   ///< coarser pyramid levels: 15 px windows then follow about 60 px a frame
+  int levels = 2;   ///< coarser pyramid levels: 15 px windows then reach 28 px about the guess
   int iterations = 10;
   double epsilon = 0.03;  ///< pixels: finer steps are under LK's noise (0.16 to 0.32 px)
   /// Largest distance of a point tracked there and back from where it began, pixels.
@@ -20,8 +20,8 @@ struct FlowOptions {
 
 /// Where the points of the newest frame were in an earlier one.
 struct FlowResult {
-  std::vector<cv::Point2f> previous;   ///< raw pixels of the earlier frame
-  std::vector<std::uint8_t> tracked;   ///< 1 where the point was found there and back
+  std::vector<cv::Point2f> previous;  ///< raw pixels of the earlier frame
+  std::vector<std::uint8_t> tracked;  ///< 1 where the point was found there and back
 };
 
 /// Backward pyramidal Lucas-Kanade flow (Bouguet 2001) with the pyramids of recent frames.

@@ -18,8 +18,8 @@ constexpr double min_z = 0.05;  // metres: nearer than any sensor reads
 
 /// One Gauss-Newton step on weighted reprojection errors; weight of a residual by Tukey's biweight
 /// with the given cut (pixels), 1 for an infinite one. False when the points do not fix the motion.
-bool gauss_newton_step(const Camera& camera, std::span<const MotionPoint* const> points,
-                       double cut, Se3& motion) {
+bool gauss_newton_step(const Camera& camera, std::span<const MotionPoint* const> points, double cut,
+                       Se3& motion) {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();

@@ -21,7 +21,8 @@ struct MotionOptions {
 
 /// A point of the current frame and where flow found it in an earlier one.
 struct MotionPoint {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();     ///< current camera frame, metres, from the current depth
+  Eigen::Vector3d point =
+      Eigen::Vector3d::Zero();  ///< current camera frame, metres, from the current depth
   Eigen::Vector2d previous = Eigen::Vector2d::Zero();  ///< undistorted pixel in the earlier frame
 };
 
@@ -44,8 +45,8 @@ std::optional<CameraMotion> estimate_motion(const Camera& camera,
 double motion_residual(const Camera& camera, const Se3& previous_from_current,
                        const MotionPoint& point);
 
-/// The same for a point whose depth lies somewhere in [near, far] metres (far may be infinite), seen
-/// at an undistorted `current` pixel: distance to the stretch of its epipolar line that those
+/// The same for a point whose depth lies somewhere in [near, far] metres (far may be infinite),
+/// seen at an undistorted `current` pixel: distance to the stretch of its epipolar line that those
 /// depths can reach.
 double motion_residual_between(const Camera& camera, const Se3& previous_from_current,
                                const Eigen::Vector2d& current, const Eigen::Vector2d& previous,

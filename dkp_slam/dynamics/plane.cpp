@@ -31,8 +31,13 @@ std::optional<Plane> through(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
   return Plane{normal / length, normal.dot(a) / length};
 }
 
-Plane least_squares(const std::vector<Eigen::Vector3f>& points, const Plane& start,
-                    const PlaneOptions& options) {
+struct FittedPlane {
+  Plane plane;
+  double extent = 0.0;  ///< metres along its longer axis, taking the points as spread evenly
+};
+
+FittedPlane least_squares(const std::vector<Eigen::Vector3f>& points, const Plane& start,
+                          const PlaneOptions& options) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
   double count = 0.0;
@@ -43,12 +48,13 @@ Plane least_squares(const std::vector<Eigen::Vector3f>& points, const Plane& sta
     moment += q * q.transpose();
     count += 1.0;
   }
-  if (count < 3.0) return start;
+  if (count < 3.0) return {start, 0.0};
   mean /= count;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moment / count -
                                                               mean * mean.transpose());
   const Eigen::Vector3d normal = solver.eigenvectors().col(0);
-  return {normal.cast<float>(), static_cast<float>(normal.dot(mean))};
+  const double extent = std::sqrt(12.0 * std::max(0.0, solver.eigenvalues()[2]));
+  return {{normal.cast<float>(), static_cast<float>(normal.dot(mean))}, extent};
 }
 
 std::vector<Eigen::Vector3f> sample_points(const DepthView& view, const cv::Mat& exclude) {
@@ -73,8 +79,9 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
   std::vector<Plane> planes;
   std::mt19937_64 random(seed);
   constexpr int min_points = 30;
-  while (static_cast<int>(planes.size()) < options.max_planes &&
-         static_cast<int>(points.size()) > std::max(min_points, needed)) {
+  for (int found = 0;
+       found<options.max_planes&& static_cast<int>(points.size())> std::max(min_points, needed);
+       ++found) {
     Plane best;
     int best_count = 0;
     for (int i = 0; i < options.iterations; ++i) {
@@ -84,17 +91,17 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
       const std::optional<Plane> plane = through(a, b, c);
       if (!plane) continue;
       const auto count = static_cast<int>(
-          std::count_if(points.begin(), points.end(), [&](const Eigen::Vector3f& p) {
-            return on_plane(*plane, p, options);
-          }));
+          std::count_if(points.begin(), points.end(),
+                        [&](const Eigen::Vector3f& p) { return on_plane(*plane, p, options); }));
       if (count > best_count) {
         best_count = count;
         best = *plane;
       }
     }
     if (best_count < std::max(min_points, needed)) break;
-    best = least_squares(points, best, options);
-    planes.push_back(best);
+    const FittedPlane fitted = least_squares(points, best, options);
+    best = fitted.plane;
+    if (fitted.extent >= options.min_extent) planes.push_back(best);
     std::erase_if(points, [&](const Eigen::Vector3f& p) { return on_plane(best, p, options); });
   }
   return planes;
@@ -127,14 +134,14 @@ cv::Mat plane_pixels(const DepthView& view, const std::vector<Plane>& planes, co
             const float n = plane.normal.dot(Eigen::Vector3f(ray[0], ray[1], 1.0F));
             return std::abs(n) < 1e-4F ? 1e4F : plane.distance / n;
           };
-          const float rise = (far_z - near_z) - (plane_depth(x + dx, y + dy) -
-                                                 plane_depth(x - dx, y - dy));
+          const float rise =
+              (far_z - near_z) - (plane_depth(x + dx, y + dy) - plane_depth(x - dx, y - dy));
           const auto& r0 = view.rays.at<cv::Vec2f>(y - dy, x - dx);
           const auto& r1 = view.rays.at<cv::Vec2f>(y + dy, x + dx);
           const float run = z * (std::abs(r1[0] - r0[0]) + std::abs(r1[1] - r0[1]));
           // Two readings' noise on top of the slope.
-          const float allowed = static_cast<float>(options.slope_error) * run +
-                                0.5F * half_thickness(z, options);
+          const float allowed =
+              static_cast<float>(options.slope_error) * run + 0.5F * half_thickness(z, options);
           along = along && std::abs(rise) < allowed;
         }
         if (along) {

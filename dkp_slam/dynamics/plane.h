@@ -19,11 +19,14 @@ struct Plane {
 struct PlaneOptions {
   int max_planes = 3;       ///< table, floor and a wall are what people stand in front of
   double min_share = 0.12;  ///< of the sampled points: smaller planes are things, not the room
+  /// Length of what is seen of a plane, metres: a monitor is shorter, and its plane goes on in
+  /// thought through whoever stands beside it.
+  double min_extent = 0.7;
   /// Half thickness, metres, at depth z: constant + quadratic * z^2. A Kinect's noise at the
   /// outline of things and its slow bending of planes, about 3 sigma of Nguyen's formula plus 1 cm.
   double thickness_constant = 0.015;
   double thickness_quadratic = 0.006;
-  int iterations = 80;        ///< RANSAC: with 12% of inliers in the worst case, guided by locality
+  int iterations = 80;  ///< RANSAC: with 12% of inliers in the worst case, guided by locality
   /// Added to it when pixels are removed, metres: what lies flat on a table (books, a keyboard)
   /// goes with it.
   double removal_margin = 0.02;

@@ -43,7 +43,8 @@ void assign_regions(const std::vector<cv::Point2f>& keypoints,
     const float high = object_weight(objects[o].weight, options);
     const auto own = static_cast<std::uint8_t>(o + 1);
     const cv::Mat outside = labels(box) != own;
-    const float share = static_cast<float>(cv::countNonZero(outside)) / static_cast<float>(box.area());
+    const float share =
+        static_cast<float>(cv::countNonZero(outside)) / static_cast<float>(box.area());
     cv::Mat distance;
     if (cv::countNonZero(outside) < box.area()) {
       cv::distanceTransform(outside, distance, cv::DIST_L2, 3);

@@ -28,8 +28,8 @@ float suspicious_weight(float distance, float max_distance, float suspicious_sha
 
 /// One object's regions as the classification sees them.
 struct ObjectRegions {
-  cv::Rect2f box;            ///< pixels
-  float weight = 10.0F;      ///< W of its class
+  cv::Rect2f box;        ///< pixels
+  float weight = 10.0F;  ///< W of its class
 };
 
 /// Region and weight of every keypoint (raw pixels). `labels` is CV_8UC1, image size: 0 outside the

@@ -22,12 +22,13 @@ struct RemovalOptions {
   float moving_short = 1.5F;
   float moving_long = 2.5F;
   float still_long = 1.2F;
-  float noise_factor = 4.0F;  ///< but moving only above so many sigma of the static points' residuals
+  float noise_factor =
+      4.0F;  ///< but moving only above so many sigma of the static points' residuals
   /// A surface outside all boxes that is proved to move becomes an object by itself when it takes
   /// at least this share of the image; smaller ones lose their points one by one.
   double moving_surface_share = 0.01;
   double moving_surface_seconds = 0.09;  ///< keeps moving so long: one bad frame makes no person
-  int moving_surface_points = 10;  ///< and bears so many features that move
+  int moving_surface_points = 10;        ///< and bears so many features that move
 };
 
 /// What the classification needs to know about a feature beside its own FeatureDynamics.
@@ -40,7 +41,6 @@ struct FeatureEvidence {
 /// Sets `is_static` of every feature as the mode asks (Algorithm 2 for `dkp`). `evidence` runs
 /// parallel to `features`.
 void classify(DynamicsMode mode, const RemovalOptions& options,
-              const std::vector<FeatureEvidence>& evidence,
-              std::vector<FeatureDynamics>& features);
+              const std::vector<FeatureEvidence>& evidence, std::vector<FeatureDynamics>& features);
 
 }  // namespace dkp_slam

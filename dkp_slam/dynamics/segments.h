@@ -23,12 +23,12 @@ struct SegmentOptions {
 
 /// A piece of surface without a step in depth.
 struct Segment {
-  int area = 0;      ///< pixels of the view
-  cv::Rect box;      ///< pixels of the view
+  int area = 0;             ///< pixels of the view
+  cv::Rect box;             ///< pixels of the view
   float mean_depth = 0.0F;  ///< metres
   bool flat = false;        ///< lies on a plane of its own
-  int moving = 0;    ///< features on it that moved against the static world
-  int still = 0;     ///< features on it that did not
+  int moving = 0;           ///< features on it that moved against the static world
+  int still = 0;            ///< features on it that did not
 
   /// Enough features say so, and few say otherwise.
   bool proved_moving() const { return moving >= 4 && moving > 2 * still; }

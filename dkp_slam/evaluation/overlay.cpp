@@ -70,8 +70,10 @@ void draw_label(cv::Mat& canvas, cv::Point at, const std::string& text, const cv
 void draw_object(const DynamicObject& object, cv::Mat& canvas) {
   const cv::Scalar colour = object.compensated ? cv::Scalar(60, 210, 255) : white;
   const cv::Rect box(object.box);
-  const std::array<cv::Point, 5> corners{box.tl(), {box.br().x - 1, box.y},
-                                         box.br() - cv::Point(1, 1), {box.x, box.br().y - 1},
+  const std::array<cv::Point, 5> corners{box.tl(),
+                                         {box.br().x - 1, box.y},
+                                         box.br() - cv::Point(1, 1),
+                                         {box.x, box.br().y - 1},
                                          box.tl()};
   if (object.compensated) {
     for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
@@ -117,8 +119,9 @@ void draw_legend(const std::vector<FeatureDynamics>& features, cv::Mat& canvas) 
     kept[r] += f.is_static ? 1 : 0;
   }
   int y = canvas.rows - 4;
-  for (const auto& [region, name] :
-       {std::pair{Region::high, "high"}, {Region::suspicious, "suspicious"}, {Region::low, "low"}}) {
+  for (const auto& [region, name] : {std::pair{Region::high, "high"},
+                                     {Region::suspicious, "suspicious"},
+                                     {Region::low, "low"}}) {
     const auto r = static_cast<std::size_t>(region);
     draw_label(canvas, {4, y}, fmt::format("{}: {} of {} kept", name, kept[r], all[r]),
                colour_of(region));
