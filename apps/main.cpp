@@ -1,25 +1,32 @@
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
-#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include "apps/commands.h"
+#include "apps/progress.h"
 #include "dkp_slam/version.h"
 
 namespace {
 
 constexpr int exit_failure = 1;
 constexpr int exit_usage = 2;
+constexpr int exit_interrupted = 130;
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  // The standard output is for results; spdlog would log to it.
-  spdlog::set_default_logger(spdlog::stderr_color_mt("dkp-slam"));
-  spdlog::set_pattern("dkp-slam: %^%l%$: %v");
-  CLI::App program("Visual SLAM for rooms with people in them: colour and depth images in, camera "
-                   "trajectory and a map of the static world out.", "dkp-slam");
+  // The standard output is for results; spdlog would log to it. On a terminal a message takes the
+  // place of the progress bar, which is drawn anew below it. No colours: those are written in
+  // pieces, and the bar could get between them.
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("dkp-slam"));
+  spdlog::set_pattern(isatty(STDERR_FILENO) ? "\r\033[Kdkp-slam: %l: %v" : "dkp-slam: %l: %v");
+  CLI::App program(
+      "Visual SLAM for rooms with people in them: colour and depth images in, camera "
+      "trajectory and a map of the static world out.",
+      "dkp-slam");
   program.set_version_flag("--version", DKP_SLAM_VERSION);
   program.require_subcommand(1);
   dkp_slam::apps::add_run_command(program);
@@ -32,7 +39,7 @@ int main(int argc, char** argv) {
     return program.exit(error) == 0 ? 0 : exit_usage;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "dkp-slam: %s\n", error.what());
-    return exit_failure;
+    return dkp_slam::apps::interrupted() ? exit_interrupted : exit_failure;
   }
   return 0;
 }

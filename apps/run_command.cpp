@@ -1,17 +1,22 @@
-#include <csignal>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include "apps/commands.h"
+#include "apps/progress.h"
+#include "apps/run_options.h"
 #include "apps/run_outputs.h"
-#include "dkp_slam/detection/detector_factory.h"
+#include "apps/run_overlay.h"
 #include "dkp_slam/error.h"
-#include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
@@ -22,80 +27,179 @@ namespace dkp_slam::apps {
 namespace fs = std::filesystem;
 namespace {
 
-enum class DetectorChoice { automatic, yolox, motion, none };
-
-struct RunOptions {
-  std::string sequence, camera, model, out;
-  DynamicsMode mode = DynamicsMode::dkp_plus;
-  DetectorChoice detector = DetectorChoice::automatic;
-  bool realtime = false;
-  std::uint64_t seed = 1;
-};
-
 const std::map<std::string, DynamicsMode> modes{{"off", DynamicsMode::off},
                                                 {"d", DynamicsMode::d},
                                                 {"dk", DynamicsMode::dk},
                                                 {"dkp", DynamicsMode::dkp},
                                                 {"dkp+", DynamicsMode::dkp_plus}};
-const std::map<std::string, DetectorChoice> detectors{{"auto", DetectorChoice::automatic},
-                                                      {"yolox", DetectorChoice::yolox},
-                                                      {"motion", DetectorChoice::motion},
-                                                      {"none", DetectorChoice::none}};
+const std::map<std::string, DetectorKind> detectors{{"auto", DetectorKind::automatic},
+                                                    {"yolox", DetectorKind::yolox},
+                                                    {"motion", DetectorKind::motion},
+                                                    {"none", DetectorKind::none}};
 
-volatile std::sig_atomic_t interrupted = 0;
-
-std::unique_ptr<Detector> make_detector(const RunOptions& options) {
-  if (options.mode == DynamicsMode::off || options.detector == DetectorChoice::none) return nullptr;
-  YoloxOptions yolox;
-  yolox.model = *find_model(options.model);
-  return make_yolox_detector(yolox);
+/// The detector, with all that was left open filled into `options`. Null for none.
+std::unique_ptr<Detector> choose_detector(RunOptions& options, const Camera& camera) {
+  DetectorOptions& detector = options.detector;
+  if (options.mode == DynamicsMode::off) detector.kind = DetectorKind::none;
+  if (detector.kind == DetectorKind::none) {
+    spdlog::info("no detector runs ({})",
+                 options.mode == DynamicsMode::off ? "mode off" : "--detector none");
+    return nullptr;
+  }
+  if (!options.classes.empty()) detector.yolox.classes = ClassTable::load(options.classes);
+  if (detector.kind != DetectorKind::motion) {
+    if (const auto model = find_model(detector.yolox.model)) {
+      detector.kind = DetectorKind::yolox;
+      detector.yolox.model = *model;
+    }
+  }
+  return make_detector(detector, camera);
 }
 
-void run(const RunOptions& options) {
+nlohmann::ordered_json describe(const RunOptions& options) {
+  const bool yolox = options.detector.kind == DetectorKind::yolox;
+  nlohmann::ordered_json json;
+  json["sequence"] = options.sequence;
+  json["camera"] = options.camera;
+  json["mode"] = mode_name(options.mode);
+  json["model"] = yolox ? options.detector.yolox.model.string() : "";
+  json["classes"] = options.classes.string();
+  json["provider"] = yolox ? options.detector.yolox.provider : "";
+  json["seed"] = options.seed;
+  json["realtime"] = options.realtime;
+  return json;
+}
+
+/// Feeds all frames to the system. What goes wrong on the way ends the run and is noted.
+RunTotals play(FrontEnd& front_end, Slam& slam, OverlayWriter* overlay,
+               std::optional<std::size_t> frames) {
+  RunTotals totals;
+  Progress progress("run", frames);
+  Stopwatch watch;
+  try {
+    while (!interrupted()) {
+      const std::optional<PreparedFrame> prepared = front_end.next();
+      if (!prepared) break;
+      FrameDynamics dynamics;
+      totals.frames.push_back(slam.track(*prepared, &dynamics));
+      if (overlay && overlay->wants(prepared->frame.index)) overlay->write(*prepared, dynamics);
+      FrameReport& report = totals.frames.back();
+      report.frame_ms = watch.lap_ms();
+      progress.update(
+          static_cast<std::size_t>(report.index) + 1,
+          report.localised ? fmt::format("{} landmarks", report.tracked_landmarks) : "lost");
+    }
+  } catch (const std::exception& error) {
+    totals.failure = error.what();
+  }
+  totals.interrupted = interrupted();
+  totals.skipped_frames = front_end.skipped_frames();
+  totals.dropped_frames = front_end.dropped_frames();
+  totals.detector_failures = front_end.detector_failures();
+  if (overlay) totals.pictures = overlay->pictures();
+  return totals;
+}
+
+/// Nothing where the sequence has no true path, or none that fits.
+std::optional<ErrorStatistics> error_against_truth(const std::string& sequence,
+                                                   const Trajectory& trajectory) {
+  const fs::path truth = fs::path(sequence) / "groundtruth.txt";
+  if (!fs::exists(truth) || trajectory.size() < 2) return std::nullopt;
+  try {
+    return absolute_error(read_trajectory(truth), trajectory).statistics;
+  } catch (const Error& error) {
+    spdlog::warn("not compared with the truth: {}", error.what());
+    return std::nullopt;
+  }
+}
+
+void run(RunOptions options) {
   SlamOptions slam_options;
   slam_options.camera = load_camera(options.camera);
   slam_options.dynamics.mode = options.mode;
   slam_options.realtime = options.realtime;
   slam_options.seed = options.seed;
-  fs::create_directories(options.out);
-  std::unique_ptr<Detector> detector = make_detector(options);
+  // Everything that can be wrong is found before the first frame; the folder comes last, so that
+  // other mistakes leave none behind.
+  auto source = open_tum_folder(options.sequence, slam_options.camera);
+  auto detector = choose_detector(options, slam_options.camera);
+  prepare_run_folder(options.out);
+  std::optional<OverlayWriter> overlay;
+  if (options.overlay) overlay.emplace(options.out, options.overlay_every);
+
+  RunResult result;
+  result.options = describe(options);
+  result.detector = detector ? detector->name() : "none";
+  catch_interrupts();
   Slam slam(slam_options);
-  FrontEnd front_end(open_tum_folder(options.sequence, slam_options.camera), std::move(detector),
-                     {slam_options.orb, options.realtime});
-  std::signal(SIGINT, [](int) { interrupted = 1; });
-  RunTotals totals;
-  Stopwatch watch;
-  while (!interrupted) {
-    const std::optional<PreparedFrame> prepared = front_end.next();
-    if (!prepared) break;
-    FrameReport report = slam.track(*prepared);
-    report.frame_ms = watch.lap_ms();
-    totals.frames.push_back(report);
+  {
+    const std::optional<std::size_t> frames = source->size();
+    FrontEnd front_end(std::move(source), std::move(detector),
+                       {slam_options.orb, options.realtime});
+    result.totals = play(front_end, slam, overlay ? &*overlay : nullptr, frames);
   }
-  totals.interrupted = interrupted;
-  slam.finish(interrupted);
-  write_trajectory(fs::path(options.out) / "trajectory.txt", slam.trajectory());
-  write_trajectory(fs::path(options.out) / "keyframes.txt", slam.keyframe_trajectory());
-  write_file_atomically(fs::path(options.out) / "timings.csv", timings_csv(totals.frames));
-  write_file_atomically(fs::path(options.out) / "summary.json",
-                        summary_json(totals, slam.map(), {}).dump(2) + "\n");
+  slam.finish(result.totals.interrupted);
+  result.trajectory = slam.trajectory();
+  result.keyframes = slam.keyframe_trajectory();
+  result.landmarks = slam.map().live_landmarks();
+  result.absolute_error = error_against_truth(options.sequence, result.trajectory);
+  save_run(result, options.out);
+  std::fputs(summary_text(result, options.out).c_str(), stdout);
+  std::fflush(stdout);
+  if (const std::string problem = verdict(result.totals); !problem.empty()) {
+    throw Error(fmt::format("{} ({} holds what there is)", problem, options.out.string()));
+  }
+}
+
+void add_detector_options(CLI::App& command, RunOptions& options) {
+  command
+      .add_option("--detector", options.detector.kind,
+                  "What finds objects that may move: auto (YOLOX when there is a model, else "
+                  "motion), yolox, motion or none")
+      ->transform(CLI::CheckedTransformer(detectors))
+      ->default_str("auto");
+  command.add_option("--model", options.detector.yolox.model,
+                     "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
+  command
+      .add_option("--provider", options.detector.yolox.provider,
+                  "Execution provider of ONNX Runtime: cpu, cuda or tensorrt")
+      ->check(CLI::IsMember({"cpu", "cuda", "tensorrt"}))
+      ->capture_default_str();
+  command.add_option("--classes", options.classes,
+                     "Weight of each class (YAML, see config/classes.yaml)");
 }
 
 }  // namespace
 
+std::string mode_name(DynamicsMode mode) {
+  return std::find_if(modes.begin(), modes.end(), [&](const auto& m) { return m.second == mode; })
+      ->first;
+}
+
 void add_run_command(CLI::App& program) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command = program.add_subcommand("run", "Localise the camera in an RGB-D sequence");
-  command->add_option("SEQUENCE", options->sequence, "Folder in TUM format")->required();
-  command->add_option("--camera", options->camera, "Camera file (config/*.yaml)")->required();
-  command->add_option("--mode", options->mode, "What to remove")
-      ->transform(CLI::CheckedTransformer(modes));
-  command->add_option("--detector", options->detector, "What finds people")
-      ->transform(CLI::CheckedTransformer(detectors));
-  command->add_option("--model", options->model, "YOLOX model file (.onnx)");
-  command->add_flag("--realtime", options->realtime, "Play by the clock; drop what comes too late");
-  command->add_option("--seed", options->seed, "Seed of everything random");
-  command->add_option("--out", options->out, "Output folder")->required();
+  CLI::App* command = program.add_subcommand(
+      "run", "Localise the camera in an RGB-D sequence with people in it; write its path.");
+  command->add_option("SEQUENCE", options->sequence, "Folder in TUM RGB-D format")->required();
+  command->add_option("--camera", options->camera, "Camera file, see config/*.yaml")->required();
+  command
+      ->add_option("--mode", options->mode,
+                   "What is removed: off (nothing), d (boxes), dk (clustered masks), dkp (the "
+                   "paper), dkp+ (the paper, improved)")
+      ->transform(CLI::CheckedTransformer(modes))
+      ->default_str("dkp+");
+  add_detector_options(*command, *options);
+  command->add_flag("--realtime", options->realtime,
+                    "Play by the time stamps, drop what comes too late, wait for nothing");
+  command->add_option("--seed", options->seed, "Seed of everything random")->capture_default_str();
+  command->add_option("--out", options->out, "Folder for the results; made where missing")
+      ->required();
+  auto* overlay = command->add_flag("--overlay", options->overlay,
+                                    "Pictures of boxes, masks and features in OUT/overlay");
+  command->add_option("--overlay-every", options->overlay_every, "Frames from picture to picture")
+      ->check(CLI::Range(1, 1000000))
+      ->needs(overlay)
+      ->capture_default_str();
   command->callback([options] { run(*options); });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -48,6 +49,12 @@ class BoundedQueue {
   std::optional<T> try_pop() {
     const std::lock_guard lock(mutex_);
     return take();
+  }
+
+  /// Sleeps until the moment given; false as soon as the queue is closed.
+  bool wait_open_until(std::chrono::steady_clock::time_point moment) {
+    std::unique_lock lock(mutex_);
+    return !changed_.wait_until(lock, moment, [&] { return closed_; });
   }
 
   void close() {

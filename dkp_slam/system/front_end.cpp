@@ -1,7 +1,7 @@
 #include "dkp_slam/system/front_end.h"
 
-#include <opencv2/imgproc.hpp>
 #include <spdlog/spdlog.h>
+#include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/system/stopwatch.h"
 
@@ -38,7 +38,9 @@ FrontEnd::~FrontEnd() {
 std::optional<PreparedFrame> FrontEnd::next() {
   std::optional<PreparedFrame> frame = options_.realtime ? extracted_.pop() : detected_.pop();
   if (!frame) {
-    if (error_) std::rethrow_exception(error_);
+    for (const std::exception_ptr& error : {feature_error_, source_error_}) {
+      if (error) std::rethrow_exception(error);
+    }
     return std::nullopt;
   }
   if (options_.realtime) {
@@ -54,48 +56,54 @@ void FrontEnd::read() {
     while (true) {
       const Stopwatch watch;
       std::optional<RgbdFrame> frame = source_->read();
+      skipped_frames_ = source_->skipped();
       if (!frame) break;
       PreparedFrame prepared;
       prepared.frame = std::move(*frame);
       prepared.decode_ms = watch.ms();
       if (options_.realtime) {
-        wait_until_due(prepared.frame.timestamp);
+        if (!wait_until_due(prepared.frame.timestamp)) return;
         dropped_frames_ += read_.push_newest(std::move(prepared));
       } else if (!read_.push(std::move(prepared))) {
         return;
       }
     }
   } catch (...) {
-    error_ = std::current_exception();
+    skipped_frames_ = source_->skipped();
+    source_error_ = std::current_exception();
   }
   read_.close();
 }
 
-void FrontEnd::wait_until_due(double timestamp) {
-  const auto now = [] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-  };
-  if (first_wall_time_ < 0.0) {
-    first_wall_time_ = now();
+bool FrontEnd::wait_until_due(double timestamp) {
+  using Clock = std::chrono::steady_clock;
+  if (!first_moment_) {
+    first_moment_ = Clock::now();
     first_timestamp_ = timestamp;
   }
-  const double wait = (timestamp - first_timestamp_) - (now() - first_wall_time_);
-  if (wait > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(wait));
+  const std::chrono::duration<double> since_first(timestamp - first_timestamp_);
+  return read_.wait_open_until(*first_moment_ +
+                               std::chrono::duration_cast<Clock::duration>(since_first));
 }
 
 void FrontEnd::extract() {
-  OrbExtractor extractor(options_.orb);
-  while (std::optional<PreparedFrame> prepared = read_.pop()) {
-    if (options_.realtime) newest_frame_.push_newest(prepared->frame);
-    const Stopwatch watch;
-    cv::cvtColor(prepared->frame.colour, prepared->grey, cv::COLOR_BGR2GRAY);
-    prepared->orb = extractor.extract(prepared->grey);
-    prepared->feature_ms = watch.ms();
-    if (options_.realtime) {
-      dropped_frames_ += extracted_.push_newest(std::move(*prepared));
-    } else if (!extracted_.push(std::move(*prepared))) {
-      return;
+  try {
+    OrbExtractor extractor(options_.orb);
+    while (std::optional<PreparedFrame> prepared = read_.pop()) {
+      if (options_.realtime) newest_frame_.push_newest(prepared->frame);
+      const Stopwatch watch;
+      cv::cvtColor(prepared->frame.colour, prepared->grey, cv::COLOR_BGR2GRAY);
+      prepared->orb = extractor.extract(prepared->grey);
+      prepared->feature_ms = watch.ms();
+      if (options_.realtime) {
+        dropped_frames_ += extracted_.push_newest(std::move(*prepared));
+      } else if (!extracted_.push(std::move(*prepared))) {
+        return;
+      }
     }
+  } catch (...) {
+    feature_error_ = std::current_exception();
+    read_.close();
   }
   extracted_.close();
   newest_frame_.close();
@@ -124,12 +132,18 @@ std::vector<Detection> FrontEnd::run_detector(const RgbdFrame& frame) {
   try {
     return detector_->detect(frame);
   } catch (const std::exception& error) {
-    ++detector_failures_;
-    spdlog::error("frame {}: the detector {} failed ({}); going on without it", frame.index,
-                  detector_->name(), error.what());
-    detector_.reset();
-    return {};
+    give_up_detector(frame.index, error.what());
+  } catch (...) {
+    give_up_detector(frame.index, "an exception of unknown type");
   }
+  return {};
+}
+
+void FrontEnd::give_up_detector(int frame_index, const char* reason) {
+  ++detector_failures_;
+  spdlog::error("frame {}: the detector {} failed ({}); going on without it", frame_index,
+                detector_->name(), reason);
+  detector_.reset();
 }
 
 }  // namespace dkp_slam

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -13,8 +15,8 @@
 
 namespace dkp_slam {
 
-/// A frame with all that can be said of it without knowing the frames before: what the threads ahead
-/// of the tracker produce.
+/// A frame with all that can be said of it without knowing the frames before: what the threads
+/// ahead of the tracker produce.
 struct PreparedFrame {
   RgbdFrame frame;
   cv::Mat grey;  ///< CV_8UC1
@@ -46,11 +48,12 @@ class FrontEnd {
   FrontEnd(const FrontEnd&) = delete;
   FrontEnd& operator=(const FrontEnd&) = delete;
 
-  /// The next frame; nothing at the end. Throws what the source threw.
+  /// The next frame; nothing at the end. Throws what the source or the feature extraction threw,
+  /// after the frames before it, and again on every later call.
   std::optional<PreparedFrame> next();
 
-  std::size_t skipped_frames() const { return source_->skipped(); }  ///< after `next` gave nothing
-  int dropped_frames() const { return dropped_frames_; }  ///< too late in real time
+  std::size_t skipped_frames() const { return skipped_frames_; }  ///< images that cannot be read
+  int dropped_frames() const { return dropped_frames_; }          ///< too late in real time
   int detector_failures() const { return detector_failures_; }
 
  private:
@@ -58,8 +61,9 @@ class FrontEnd {
   void extract();
   void detect();
   void detect_newest();
-  void wait_until_due(double timestamp);
+  bool wait_until_due(double timestamp);
   std::vector<Detection> run_detector(const RgbdFrame& frame);
+  void give_up_detector(int frame_index, const char* reason);
 
   const FrontEndOptions options_;
   std::unique_ptr<RgbdSource> source_;
@@ -67,10 +71,12 @@ class FrontEnd {
   BoundedQueue<PreparedFrame> read_, extracted_, detected_;
   BoundedQueue<RgbdFrame> newest_frame_;
   BoundedQueue<std::pair<std::vector<Detection>, double>> newest_detections_;
-  std::exception_ptr error_;  // of the source; written before read_ closes
+  std::exception_ptr source_error_, feature_error_;  // each written before its stage's queue closes
+  std::atomic<std::size_t> skipped_frames_{0};
   std::atomic<int> dropped_frames_{0};
   std::atomic<int> detector_failures_{0};
-  double first_timestamp_ = 0.0, first_wall_time_ = -1.0;
+  double first_timestamp_ = 0.0;
+  std::optional<std::chrono::steady_clock::time_point> first_moment_;
   std::vector<std::thread> threads_;
 };
 

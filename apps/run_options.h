@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/dynamics/frame_dynamics.h"
+
+namespace dkp_slam::apps {
+
+/// What the user asked of `dkp-slam run`.
+struct RunOptions {
+  std::string sequence, camera;
+  std::filesystem::path out, classes;
+  DynamicsMode mode = DynamicsMode::dkp_plus;
+  DetectorOptions detector;
+  bool realtime = false;
+  std::uint64_t seed = 1;
+  bool overlay = false;
+  int overlay_every = 30;  ///< frames; one picture a second
+};
+
+/// As on the command line: "dkp+".
+std::string mode_name(DynamicsMode mode);
+
+}  // namespace dkp_slam::apps
