@@ -13,7 +13,7 @@
 #include "apps/commands.h"
 #include "apps/progress.h"
 #include "apps/run_options.h"
-#include "apps/run_outputs.h"
+#include "apps/run_report.h"
 #include "apps/run_overlay.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
@@ -36,6 +36,14 @@ const std::map<std::string, DetectorKind> detectors{{"auto", DetectorKind::autom
                                                     {"yolox", DetectorKind::yolox},
                                                     {"motion", DetectorKind::motion},
                                                     {"none", DetectorKind::none}};
+
+/// For the help text: "{auto,motion,none,yolox}".
+template <class Value>
+std::string names_of(const std::map<std::string, Value>& values) {
+  std::string names;
+  for (const auto& [name, value] : values) names += (names.empty() ? "{" : ",") + name;
+  return names + "}";
+}
 
 /// The detector, with all that was left open filled into `options`. Null for none.
 std::unique_ptr<Detector> choose_detector(RunOptions& options, const Camera& camera) {
@@ -156,7 +164,7 @@ void add_detector_options(CLI::App& command, RunOptions& options) {
       .add_option("--detector", options.detector.kind,
                   "What finds objects that may move: auto (YOLOX when there is a model, else "
                   "motion), yolox, motion or none")
-      ->transform(CLI::CheckedTransformer(detectors))
+      ->transform(CLI::CheckedTransformer(detectors).description(names_of(detectors)))
       ->default_str("auto");
   command.add_option("--model", options.detector.yolox.model,
                      "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
@@ -186,7 +194,7 @@ void add_run_command(CLI::App& program) {
       ->add_option("--mode", options->mode,
                    "What is removed: off (nothing), d (boxes), dk (clustered masks), dkp (the "
                    "paper), dkp+ (the paper, improved)")
-      ->transform(CLI::CheckedTransformer(modes))
+      ->transform(CLI::CheckedTransformer(modes).description(names_of(modes)))
       ->default_str("dkp+");
   add_detector_options(*command, *options);
   command->add_flag("--realtime", options->realtime,

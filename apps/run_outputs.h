@@ -1,14 +1,11 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "dkp_slam/evaluation/statistics.h"
 #include "dkp_slam/system/slam.h"
 
 namespace dkp_slam::apps {
@@ -19,41 +16,17 @@ struct RunTotals {
   std::size_t skipped_frames = 0;  ///< images that could not be read
   int dropped_frames = 0;          ///< too late in real time
   int detector_failures = 0;
-  int pictures = 0;  ///< of the overlay
   bool interrupted = false;
-  std::string failure;  ///< what ended the run early; empty when nothing did
-
-  std::size_t localised() const;
-};
-
-/// Everything a run leaves behind.
-struct RunResult {
-  RunTotals totals;
-  Trajectory trajectory, keyframes;
-  int landmarks = 0;
-  std::string detector;            ///< "none", or the name of the one that was chosen
-  nlohmann::ordered_json options;  ///< what the user asked for and what was chosen for him
-  /// Of the trajectory, metres, where the sequence brings its true path.
-  std::optional<ErrorStatistics> absolute_error;
 };
 
 /// One line per frame, a column per stage, milliseconds.
 std::string timings_csv(const std::vector<FrameReport>& frames);
 
-/// Counts and medians of a run.
-nlohmann::ordered_json summary_json(const RunResult& result);
+/// Counts and medians of a run; `options` is what the user asked for and what was chosen for him.
+nlohmann::ordered_json summary_json(const RunTotals& totals, const Map& map,
+                                    const nlohmann::ordered_json& options);
 
-/// The same in a few lines to read.
-std::string summary_text(const RunResult& result, const std::filesystem::path& out);
-
-/// Makes the folder and throws `Error` where the files of a run could not be written into it now.
-void prepare_run_folder(const std::filesystem::path& out);
-
-/// Writes trajectory.txt, keyframes.txt, timings.csv and summary.json, each whole or not at all.
-void save_run(const RunResult& result, const std::filesystem::path& out);
-
-/// Why the run counts as failed, one line; empty when it does not. Fails: a run that ended early,
-/// that localised nothing, or that lost or could not read more than half of the frames.
-std::string verdict(const RunTotals& totals);
+/// Megabytes that the process has had in memory at most, as the kernel counts (VmHWM).
+double peak_memory_mb();
 
 }  // namespace dkp_slam::apps

@@ -1,0 +1,178 @@
+#include "apps/run_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "dkp_slam/error.h"
+#include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/version.h"
+
+namespace dkp_slam::apps {
+namespace fs = std::filesystem;
+namespace {
+
+struct Column {
+  const char* name;
+  double FrameReport::*value;
+};
+
+constexpr Column columns[] = {
+    {"decode", &FrameReport::decode_ms},       {"features", &FrameReport::feature_ms},
+    {"detection", &FrameReport::detection_ms}, {"clustering", &FrameReport::clustering_ms},
+    {"removal", &FrameReport::removal_ms},     {"tracking", &FrameReport::tracking_ms},
+    {"frame", &FrameReport::frame_ms},
+};
+
+constexpr std::array files = {"trajectory.txt", "keyframes.txt", "timings.csv", "summary.json"};
+
+double median_of(const std::vector<FrameReport>& frames, double FrameReport::*value) {
+  std::vector<double> values;
+  for (const FrameReport& f : frames) values.push_back(f.*value);
+  return values.empty() ? 0.0 : median(values);
+}
+
+long sum(const std::vector<FrameReport>& frames, int FrameReport::*value) {
+  long total = 0;
+  for (const FrameReport& f : frames) total += f.*value;
+  return total;
+}
+
+/// Megabytes that the process has had in memory at most, as the kernel counts (VmHWM).
+double peak_memory_mb() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word) {
+    double kilobytes = 0.0;
+    if (word == "VmHWM:" && status >> kilobytes) return kilobytes / 1024.0;
+  }
+  return 0.0;
+}
+
+double rounded(double value, double digits) { return std::round(value * digits) / digits; }
+
+}  // namespace
+
+std::size_t RunTotals::localised() const {
+  return static_cast<std::size_t>(
+      std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.localised; }));
+}
+
+std::string timings_csv(const std::vector<FrameReport>& frames) {
+  std::string out =
+      "index,timestamp,localised,keyframe,features,removed,detections,compensated,landmarks";
+  for (const Column& c : columns) out += fmt::format(",{}_ms", c.name);
+  out += '\n';
+  for (const FrameReport& f : frames) {
+    out += fmt::format("{},{:.6f},{:d},{:d},{},{},{},{},{}", f.index, f.timestamp, f.localised,
+                       f.keyframe, f.features, f.removed_features, f.detections, f.compensated,
+                       f.tracked_landmarks);
+    for (const Column& c : columns) out += fmt::format(",{:.3f}", f.*c.value);
+    out += '\n';
+  }
+  return out;
+}
+
+nlohmann::ordered_json summary_json(const RunResult& result) {
+  const RunTotals& totals = result.totals;
+  const std::vector<FrameReport>& frames = totals.frames;
+  nlohmann::ordered_json json;
+  json["version"] = DKP_SLAM_VERSION;
+  json["options"] = result.options;
+  json["detector"] = result.detector;
+  json["interrupted"] = totals.interrupted;
+  json["failure"] = verdict(totals);
+  json["frames"] = frames.size();
+  json["localised_frames"] = totals.localised();
+  json["lost_frames"] = frames.size() - totals.localised();
+  json["skipped_frames"] = totals.skipped_frames;
+  json["dropped_frames"] = totals.dropped_frames;
+  json["detections"] = sum(frames, &FrameReport::detections);
+  json["compensated_detections"] = sum(frames, &FrameReport::compensated);
+  json["detector_failures"] = totals.detector_failures;
+  json["features"] = sum(frames, &FrameReport::features);
+  json["features_removed"] = sum(frames, &FrameReport::removed_features);
+  json["keyframes"] = result.keyframes.size();
+  json["landmarks"] = result.landmarks;
+  if (result.absolute_error) {
+    json["ate"] = {{"poses", result.absolute_error->count},
+                   {"rmse_m", rounded(result.absolute_error->rmse, 1e6)}};
+  }
+  nlohmann::ordered_json medians;
+  for (const Column& c : columns) medians[c.name] = rounded(median_of(frames, c.value), 1000.0);
+  json["median_ms"] = medians;
+  json["peak_memory_mb"] = rounded(peak_memory_mb(), 10.0);
+  return json;
+}
+
+std::string summary_text(const RunResult& result, const fs::path& out) {
+  const RunTotals& totals = result.totals;
+  const std::vector<FrameReport>& frames = totals.frames;
+  std::string text = fmt::format("{} of {} frames localised, {} lost", totals.localised(),
+                                 frames.size(), frames.size() - totals.localised());
+  if (totals.skipped_frames > 0) text += fmt::format(", {} not readable", totals.skipped_frames);
+  if (totals.dropped_frames > 0) text += fmt::format(", {} dropped", totals.dropped_frames);
+  text += fmt::format("; {} keyframes, {} landmarks\n", result.keyframes.size(), result.landmarks);
+
+  const long features = sum(frames, &FrameReport::features);
+  const long removed = sum(frames, &FrameReport::removed_features);
+  text +=
+      fmt::format("detector {}: {} detections, {} carried over a missed one", result.detector,
+                  sum(frames, &FrameReport::detections), sum(frames, &FrameReport::compensated));
+  if (totals.detector_failures > 0) text += ", FAILED in the middle";
+  text += fmt::format("; {} of {} features removed ({:.1f} %)\n", removed, features,
+                      features > 0 ? 100.0 * double(removed) / double(features) : 0.0);
+
+  text += "median ms:";
+  for (const Column& c : columns) {
+    text += fmt::format(" {} {:.1f}{}", c.name, median_of(frames, c.value),
+                        c.value == columns[std::size(columns) - 1].value ? "" : ",");
+  }
+  text += fmt::format("; peak memory {:.0f} MB\n", peak_memory_mb());
+  if (result.absolute_error) {
+    text += fmt::format("ATE {:.4f} m (RMSE, {} poses, groundtruth.txt of the sequence)\n",
+                        result.absolute_error->rmse, result.absolute_error->count);
+  }
+  text += fmt::format("in {}: {}", out.string(), fmt::join(files, ", "));
+  if (totals.pictures > 0) text += fmt::format(", {} pictures in overlay/", totals.pictures);
+  return text + "\n";
+}
+
+void prepare_run_folder(const fs::path& out) {
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) {
+    throw Error(fmt::format("cannot make the output folder {}: {}; choose another --out",
+                            out.string(), error.message()));
+  }
+  for (const char* file : files) check_writable(out / file);
+}
+
+void save_run(const RunResult& result, const fs::path& out) {
+  write_trajectory(out / files[0], result.trajectory);
+  write_trajectory(out / files[1], result.keyframes);
+  write_file_atomically(out / files[2], timings_csv(result.totals.frames));
+  write_file_atomically(out / files[3], summary_json(result).dump(2) + "\n");
+}
+
+std::string verdict(const RunTotals& totals) {
+  if (!totals.failure.empty()) return totals.failure;
+  const std::size_t seen = totals.frames.size(), localised = totals.localised();
+  if (totals.interrupted) return fmt::format("interrupted after {} frames", seen);
+  if (localised == 0) {
+    return fmt::format(
+        "none of {} frames was localised; do camera file and sequence belong together?", seen);
+  }
+  const std::size_t all = seen + totals.skipped_frames;
+  if (2 * localised < all) {
+    return fmt::format("{} of {} frames were lost or not readable, more than half", all - localised,
+                       all);
+  }
+  return "";
+}
+
+}  // namespace dkp_slam::apps
