@@ -199,7 +199,9 @@ void add_run_command(CLI::App& program) {
   add_detector_options(*command, *options);
   command->add_flag("--realtime", options->realtime,
                     "Play by the time stamps, drop what comes too late, wait for nothing");
-  command->add_option("--seed", options->seed, "Seed of everything random")->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed of everything random")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_option("--out", options->out, "Folder for the results; made where missing")
       ->required();
   auto* overlay = command->add_flag("--overlay", options->overlay,

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace dkp_slam::testing {
+
+inline std::string content(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The built program as a process of its own, its streams going to files in `folder`.
+class Program {
+ public:
+  /// `environment`: NAME=VALUE, all that the process gets beside PATH.
+  Program(const std::filesystem::path& folder, std::vector<std::string> arguments,
+          std::vector<std::string> environment)
+      : out_(folder / "stdout.log"), err_(folder / "stderr.log") {
+    arguments.insert(arguments.begin(), DKP_SLAM_PROGRAM);
+    environment.push_back(std::string("PATH=") + std::getenv("PATH"));
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 1, out_.c_str(), flags, 0644);
+    posix_spawn_file_actions_addopen(&actions, 2, err_.c_str(), flags, 0644);
+    const int failure = posix_spawn(&id_, DKP_SLAM_PROGRAM, &actions, nullptr,
+                                    pointers(arguments).data(), pointers(environment).data());
+    posix_spawn_file_actions_destroy(&actions);
+    if (failure != 0) throw std::runtime_error("cannot start " DKP_SLAM_PROGRAM);
+  }
+
+  void interrupt() const { ::kill(id_, SIGINT); }
+  /// Exit code; 1000 and the signal's number when a signal ended it. To be called once.
+  int wait() const {
+    int status = 0;
+    ::waitpid(id_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+  }
+  std::string out() const { return content(out_); }
+  std::string err() const { return content(err_); }
+
+ private:
+  static constexpr int flags = O_WRONLY | O_CREAT | O_TRUNC;
+  static std::vector<char*> pointers(std::vector<std::string>& words) {
+    std::vector<char*> result;
+    for (std::string& word : words) result.push_back(word.data());
+    result.push_back(nullptr);
+    return result;
+  }
+
+  std::filesystem::path out_, err_;
+  pid_t id_ = 0;
+};
+
+}  // namespace dkp_slam::testing
