@@ -1,0 +1,149 @@
+#include "bench/results/figures.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "dkp_slam/error.h"
+#include "dkp_slam/evaluation/statistics.h"
+
+namespace dkp_slam::bench {
+namespace {
+
+const std::string time_suffix = "_ms";
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields;
+  std::istringstream in(line);
+  std::string field;
+  while (std::getline(in, field, ',')) fields.push_back(field);
+  return fields;
+}
+
+bool is_mask_quantity(Quantity quantity) {
+  return quantity == Quantity::mask_iou || quantity == Quantity::features_removed ||
+         quantity == Quantity::features_kept;
+}
+
+std::optional<double> value_of(const MaskFigures& figures, Quantity quantity) {
+  if (quantity == Quantity::mask_iou) return figures.iou;
+  return quantity == Quantity::features_removed ? figures.removed : figures.kept;
+}
+
+std::optional<double> value_of(const RunFigures& run, Quantity quantity) {
+  const double frames = static_cast<double>(std::max<std::size_t>(run.frames, 1));
+  switch (quantity) {
+    case Quantity::ate:
+      return run.ate_rmse;
+    case Quantity::ate_deviation:
+      return run.ate_deviation;
+    case Quantity::rpe_second:
+      return run.rpe_second;
+    case Quantity::rpe_frame:
+      return run.rpe_frame;
+    case Quantity::rpe_degrees:
+      return run.rpe_degrees;
+    case Quantity::frame_ms: {
+      const auto found = run.stage_ms.find("frame");
+      return found == run.stage_ms.end() ? std::nullopt : std::optional(found->second);
+    }
+    case Quantity::without_detection_ms:
+      return run.without_detection_ms;
+    case Quantity::processor_ms:
+      return 1000.0 * run.processor_s / frames;
+    case Quantity::wall_ms:
+      return 1000.0 * run.wall_s / frames;
+    case Quantity::peak_memory:
+      return run.peak_memory_mb;
+    default:
+      return std::nullopt;
+  }
+}
+
+bool matches(const RunKey& key, const std::string& sequence, const std::string& mode) {
+  return key.sequence == sequence && key.mode == mode;
+}
+
+}  // namespace
+
+std::vector<double> values(const Results& results, const std::string& sequence,
+                           const std::string& mode, Quantity quantity) {
+  std::vector<double> out;
+  const auto add = [&](const auto& figures) {
+    if (!matches(figures.key, sequence, mode)) return;
+    if (const auto value = value_of(figures, quantity)) out.push_back(*value);
+  };
+  if (is_mask_quantity(quantity)) {
+    for (const MaskFigures& figures : results.masks) add(figures);
+    return out;
+  }
+  for (const RunFigures& run : results.runs) {
+    if (run.problem.empty()) add(run);
+  }
+  return out;
+}
+
+std::vector<double> stage_values(const Results& results, const std::string& sequence,
+                                 const std::string& mode, const std::string& stage) {
+  std::vector<double> out;
+  for (const RunFigures& run : results.runs) {
+    if (!run.problem.empty() || !matches(run.key, sequence, mode)) continue;
+    const auto found = run.stage_ms.find(stage);
+    if (found != run.stage_ms.end()) out.push_back(found->second);
+  }
+  return out;
+}
+
+std::optional<double> median_of(const std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  return median(values);
+}
+
+std::map<std::string, std::vector<double>> read_timings(const std::string& csv) {
+  std::istringstream in(csv);
+  std::string line;
+  std::getline(in, line);
+  const std::vector<std::string> names = fields_of(line);
+  std::map<std::string, std::vector<double>> columns;
+  for (int number = 2; std::getline(in, line); ++number) {
+    const std::vector<std::string> fields = fields_of(line);
+    if (fields.size() != names.size()) {
+      throw Error(fmt::format("timings.csv:{}: {} fields, the header has {}; run it again", number,
+                              fields.size(), names.size()));
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      std::istringstream field(fields[i]);
+      double value = 0.0;
+      if (!(field >> value) || !field.eof()) {
+        throw Error(fmt::format("timings.csv:{}: {}: '{}' is no number; run it again", number,
+                                names[i], fields[i]));
+      }
+      columns[names[i]].push_back(value);
+    }
+  }
+  if (columns.empty()) throw Error("timings.csv: holds no frame; run it again");
+  return columns;
+}
+
+void set_times(RunFigures& figures, const std::map<std::string, std::vector<double>>& timings) {
+  figures.stage_ms.clear();
+  for (const auto& [name, column] : timings) {
+    if (!name.ends_with(time_suffix)) continue;
+    figures.stage_ms[name.substr(0, name.size() - time_suffix.size())] = median(column);
+  }
+  // The stages that follow each other for every frame, the detector left out. The sum of medians
+  // would not be the median of the sums.
+  std::vector<double> sums;
+  for (const char* stage : {"features_ms", "clustering_ms", "removal_ms", "tracking_ms"}) {
+    const auto column = timings.find(stage);
+    if (column == timings.end()) {
+      throw Error(fmt::format("timings.csv: no column {}; is the program of this version?", stage));
+    }
+    sums.resize(column->second.size(), 0.0);
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += column->second[i];
+  }
+  figures.without_detection_ms = median(sums);
+}
+
+}  // namespace dkp_slam::bench

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "bench/results/figures.h"
+
+namespace dkp_slam::bench {
+
+/// What is the same for all runs.
+struct MeasureOptions {
+  std::filesystem::path data;     ///< holds the sequence folders
+  std::filesystem::path config;   ///< holds the camera files
+  std::filesystem::path program;  ///< the dkp-slam to measure
+  std::filesystem::path model;    ///< YOLOX; empty: the motion detector runs
+  std::filesystem::path runs;     ///< a folder per run goes here
+};
+
+/// Camera file of a sequence, by its name: fr1, fr2, fr3 (freiburg1 to 3), composites are on fr1,
+/// bonn. Throws `Error` for a name that says nothing.
+std::string camera_file(const std::string& sequence);
+
+/// Where a run's output lies.
+std::filesystem::path run_folder(const MeasureOptions& options, const RunKey& key);
+
+/// Whether a finished run of this program with these options lies in its folder already.
+bool is_finished(const MeasureOptions& options, const RunKey& key);
+
+/// Runs the program on a sequence, offline. False when `stop` ended it early; the folder then does
+/// not count as finished. A run that fails counts, with its problem.
+bool measure_run(const MeasureOptions& options, const RunKey& key,
+                 const std::function<bool()>& stop);
+
+/// The figures of a finished run: its path scored against the sequence's groundtruth.txt.
+RunFigures read_run(const MeasureOptions& options, const RunKey& key);
+
+/// Whether the sequence has true masks.
+bool has_masks(const MeasureOptions& options, const std::string& sequence);
+
+/// Masks and features of an earlier `measure_masks` by the same program and options.
+std::optional<MaskFigures> read_masks(const MeasureOptions& options, const RunKey& key);
+
+/// Runs the system in this process and scores each frame's mask and features against mask/.
+/// `progress` is told the number of frames done. Nothing when `stop` ended it early.
+std::optional<MaskFigures> measure_masks(const MeasureOptions& options, const RunKey& key,
+                                         const std::function<bool()>& stop,
+                                         const std::function<void(std::size_t)>& progress);
+
+}  // namespace dkp_slam::bench

@@ -1,0 +1,121 @@
+#include <fstream>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "bench/results/fingerprint.h"
+#include "bench/results/measure.h"
+#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/error.h"
+#include "dkp_slam/evaluation/mask_score.h"
+#include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/sensor/tum_source.h"
+#include "dkp_slam/system/slam.h"
+
+namespace dkp_slam::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::map<std::string, DynamicsMode> modes{{"off", DynamicsMode::off},
+                                                {"d", DynamicsMode::d},
+                                                {"dk", DynamicsMode::dk},
+                                                {"dkp", DynamicsMode::dkp},
+                                                {"dkp+", DynamicsMode::dkp_plus}};
+
+// The system runs in this program, so this program decides what comes out.
+const char* const this_program = "/proc/self/exe";
+
+fs::path record_of(const MeasureOptions& options, const RunKey& key) {
+  return run_folder(options, key) / "masks.json";
+}
+
+std::unique_ptr<Detector> detector_of(const MeasureOptions& options, const Camera& camera) {
+  DetectorOptions detector;
+  detector.kind = options.model.empty() ? DetectorKind::motion : DetectorKind::yolox;
+  detector.yolox.model = options.model;
+  return make_detector(detector, camera);
+}
+
+/// Scores one frame; false where there is no true mask for it.
+bool score_frame(MaskScoreTally& tally, const fs::path& masks, const PreparedFrame& prepared,
+                 const FrameDynamics& dynamics) {
+  const fs::path path = masks / fmt::format("{:.6f}.png", prepared.frame.timestamp);
+  const cv::Mat truth = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+  if (truth.empty()) return false;
+  std::vector<cv::Point2f> positions;
+  std::vector<bool> kept;
+  for (std::size_t i = 0; i < prepared.orb.keypoints.size(); ++i) {
+    positions.push_back(prepared.orb.keypoints[i].pt);
+    // Mode off reports on no feature: it keeps them all.
+    kept.push_back(dynamics.features.empty() || dynamics.features[i].is_static);
+  }
+  tally.add(score_mask(truth, dynamics.mask), count_features(truth, positions, kept));
+  return true;
+}
+
+nlohmann::ordered_json json_of(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+std::optional<double> optional_of(const nlohmann::json& json, const char* name) {
+  return json.at(name).is_null() ? std::nullopt : std::optional(json.at(name).get<double>());
+}
+
+}  // namespace
+
+bool has_masks(const MeasureOptions& options, const std::string& sequence) {
+  return fs::is_directory(options.data / sequence / "mask");
+}
+
+std::optional<MaskFigures> read_masks(const MeasureOptions& options, const RunKey& key) {
+  std::ifstream in(record_of(options, key));
+  const nlohmann::json json = nlohmann::json::parse(in, nullptr, false);
+  if (json.is_discarded() || json.value("program", std::string()) != fingerprint(this_program) ||
+      json.value("model", std::string()) != options.model.string()) {
+    return std::nullopt;
+  }
+  return MaskFigures{key, json.at("scored_frames"), optional_of(json, "iou"),
+                     optional_of(json, "removed"), optional_of(json, "kept")};
+}
+
+std::optional<MaskFigures> measure_masks(const MeasureOptions& options, const RunKey& key,
+                                         const std::function<bool()>& stop,
+                                         const std::function<void(std::size_t)>& progress) {
+  const fs::path sequence = options.data / key.sequence;
+  SlamOptions slam_options;
+  slam_options.camera = load_camera((options.config / camera_file(key.sequence)).string());
+  slam_options.dynamics.mode = modes.at(key.mode);
+  slam_options.seed = key.seed;
+  Slam slam(slam_options);
+  FrontEnd front_end(open_tum_folder(sequence.string(), slam_options.camera),
+                     detector_of(options, slam_options.camera), {slam_options.orb, false});
+  MaskScoreTally tally;
+  std::size_t frames = 0, compared = 0;
+  while (const std::optional<PreparedFrame> prepared = front_end.next()) {
+    if (stop()) return std::nullopt;
+    FrameDynamics dynamics;
+    slam.track(*prepared, &dynamics);
+    compared += score_frame(tally, sequence / "mask", *prepared, dynamics);
+    progress(++frames);
+  }
+  slam.finish(true);
+  if (compared == 0) {
+    throw Error((sequence / "mask").string() +
+                ": no mask is named like a colour image; is it of this sequence?");
+  }
+  const MaskFigures figures{key, tally.frames(), tally.mean_iou(), tally.removed_share(),
+                            tally.kept_share()};
+  fs::create_directories(run_folder(options, key));
+  const nlohmann::ordered_json record = {
+      {"program", fingerprint(this_program)},   {"model", options.model.string()},
+      {"scored_frames", figures.scored_frames}, {"iou", json_of(figures.iou)},
+      {"removed", json_of(figures.removed)},    {"kept", json_of(figures.kept)}};
+  write_file_atomically(record_of(options, key), record.dump(2) + "\n");
+  return figures;
+}
+
+}  // namespace dkp_slam::bench

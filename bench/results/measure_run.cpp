@@ -1,0 +1,157 @@
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/results/child_process.h"
+#include "bench/results/fingerprint.h"
+#include "bench/results/measure.h"
+#include "dkp_slam/error.h"
+#include "dkp_slam/evaluation/absolute_error.h"
+#include "dkp_slam/evaluation/relative_error.h"
+#include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/export/trajectory.h"
+
+namespace dkp_slam::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Written last: a run without it was cut off.
+const char* const record_name = "process.json";
+
+std::vector<std::string> command_of(const MeasureOptions& options, const RunKey& key) {
+  std::vector<std::string> command = {options.program.string(),
+                                      "run",
+                                      (options.data / key.sequence).string(),
+                                      "--camera",
+                                      (options.config / camera_file(key.sequence)).string(),
+                                      "--mode",
+                                      key.mode,
+                                      "--seed",
+                                      std::to_string(key.seed),
+                                      "--out",
+                                      (run_folder(options, key) / "out").string()};
+  if (key.mode == "off") return command;
+  command.insert(command.end(), {"--detector", options.model.empty() ? "motion" : "yolox"});
+  if (!options.model.empty()) command.insert(command.end(), {"--model", options.model.string()});
+  return command;
+}
+
+nlohmann::json read_json(const fs::path& path) {
+  std::ifstream in(path);
+  nlohmann::json json = nlohmann::json::parse(in, nullptr, false);
+  if (json.is_discarded()) throw Error(path.string() + ": is missing or no JSON; run it again");
+  return json;
+}
+
+std::string last_line(const fs::path& log) {
+  std::ifstream in(log);
+  std::string line, last = "no message";
+  while (std::getline(in, line)) {
+    if (!line.empty()) last = line;
+  }
+  return last;
+}
+
+std::optional<RelativeError> step_error(const Trajectory& truth, const Trajectory& estimate,
+                                        StepUnit unit) {
+  try {
+    return relative_error(truth, estimate, {.delta = 1.0, .unit = unit});
+  } catch (const Error&) {
+    return std::nullopt;  // the path is shorter than the step, or mostly without truth
+  }
+}
+
+void set_errors(RunFigures& figures, const Trajectory& truth, const Trajectory& estimate) {
+  const AbsoluteError ate = absolute_error(truth, estimate);
+  figures.ate_rmse = ate.statistics.rmse;
+  figures.ate_deviation = ate.statistics.deviation;
+  if (const auto second = step_error(truth, estimate, StepUnit::seconds)) {
+    figures.rpe_second = second->translation.rmse;
+    figures.rpe_degrees = second->rotation.rmse * 180.0 / std::numbers::pi;
+  }
+  if (const auto frame = step_error(truth, estimate, StepUnit::frames)) {
+    figures.rpe_frame = frame->translation.rmse;
+  }
+}
+
+}  // namespace
+
+std::string camera_file(const std::string& sequence) {
+  for (const char digit : {'1', '2', '3'}) {
+    for (const char* name : {"fr", "freiburg"}) {
+      if (sequence.find(std::string(name) + digit) == std::string::npos) continue;
+      return fmt::format("tum_fr{}.yaml", digit);
+    }
+  }
+  if (sequence.starts_with("composite")) return "tum_fr1.yaml";
+  if (sequence.find("bonn") != std::string::npos) return "bonn.yaml";
+  throw Error(sequence + ": which camera is it from? The name must hold fr1, fr2, fr3 or bonn");
+}
+
+fs::path run_folder(const MeasureOptions& options, const RunKey& key) {
+  return options.runs / key.sequence / key.mode / fmt::format("seed{}", key.seed);
+}
+
+bool is_finished(const MeasureOptions& options, const RunKey& key) {
+  const fs::path record = run_folder(options, key) / record_name;
+  if (!fs::exists(record)) return false;
+  const nlohmann::json json = read_json(record);
+  return json.value("command", std::vector<std::string>()) == command_of(options, key) &&
+         json.value("program", std::string()) == fingerprint(options.program);
+}
+
+bool measure_run(const MeasureOptions& options, const RunKey& key,
+                 const std::function<bool()>& stop) {
+  const fs::path folder = run_folder(options, key);
+  fs::remove(folder / record_name);
+  fs::remove_all(folder / "out");
+  fs::create_directories(folder);
+  const std::vector<std::string> command = command_of(options, key);
+  const ProcessResult result = run_process(command, folder / "log.txt", stop);
+  if (stop()) return false;
+  const nlohmann::ordered_json record = {{"command", command},
+                                         {"program", fingerprint(options.program)},
+                                         {"exit_code", result.exit_code},
+                                         {"wall_s", result.wall_s},
+                                         {"processor_s", result.processor_s},
+                                         {"others_share", result.others_share}};
+  write_file_atomically(folder / record_name, record.dump(2) + "\n");
+  return true;
+}
+
+RunFigures read_run(const MeasureOptions& options, const RunKey& key) {
+  const fs::path folder = run_folder(options, key);
+  RunFigures figures;
+  figures.key = key;
+  try {
+    const nlohmann::json process = read_json(folder / record_name);
+    figures.wall_s = process.at("wall_s");
+    figures.processor_s = process.at("processor_s");
+    figures.others_share = process.at("others_share");
+    if (const int code = process.at("exit_code"); code != 0) {
+      throw Error(fmt::format("exit code {}: {}", code, last_line(folder / "log.txt")));
+    }
+    const nlohmann::json summary = read_json(folder / "out" / "summary.json");
+    figures.peak_memory_mb = summary.at("peak_memory_mb");
+    // Frames whose images could not be read are lost to the user too.
+    figures.frames = summary.at("frames").get<std::size_t>() +
+                     summary.value("skipped_frames", static_cast<std::size_t>(0));
+    std::ifstream timings(folder / "out" / "timings.csv");
+    std::ostringstream text;
+    text << timings.rdbuf();
+    set_times(figures, read_timings(text.str()));
+    const Trajectory estimate = read_trajectory(folder / "out" / "trajectory.txt");
+    // Counted in what a user gets, not taken from the program's own word.
+    figures.lost_frames = figures.frames - std::min(figures.frames, estimate.size());
+    set_errors(figures, read_trajectory(options.data / key.sequence / "groundtruth.txt"), estimate);
+  } catch (const std::exception& error) {
+    figures.problem = error.what();
+  }
+  return figures;
+}
+
+}  // namespace dkp_slam::bench
