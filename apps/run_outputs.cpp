@@ -32,11 +32,12 @@ double median(std::vector<double> values) {
 }  // namespace
 
 std::string timings_csv(const std::vector<FrameReport>& frames) {
-  std::string out = "index,timestamp,localised,keyframe,landmarks";
+  std::string out = "index,timestamp,localised,keyframe,features,removed,detections,compensated,landmarks";
   for (const Column& c : columns) out += fmt::format(",{}_ms", c.name);
   out += '\n';
   for (const FrameReport& f : frames) {
-    out += fmt::format("{},{:.6f},{:d},{:d},{}", f.index, f.timestamp, f.localised, f.keyframe,
+    out += fmt::format("{},{:.6f},{:d},{:d},{},{},{},{},{}", f.index, f.timestamp, f.localised,
+                       f.keyframe, f.features, f.removed_features, f.detections, f.compensated,
                        f.tracked_landmarks);
     for (const Column& c : columns) out += fmt::format(",{:.3f}", f.*c.value);
     out += '\n';

@@ -13,6 +13,21 @@ float depth_at(const cv::Mat& depth, const cv::Point2f& pixel) {
   return depth.at<float>(v, u);
 }
 
+/// Depth at the colour image's moment of a feature, read from a depth image of another moment: the
+/// feature's place there follows from a first reading at its own pixel.
+float carried_depth(const cv::Mat& depth, const Camera& camera, const Se3& depth_from_colour,
+                    const cv::Point2f& pixel, const cv::Point2f& raw_pixel) {
+  const float first = depth_at(depth, raw_pixel);
+  if (first <= 0.0F) return 0.0F;
+  const Eigen::Vector3d there = depth_from_colour * camera.unproject({pixel.x, pixel.y}, first);
+  if (there.z() <= 0.0) return 0.0F;
+  const Eigen::Vector2d place = camera.project(there);
+  const Eigen::Vector2d raw_place = camera.distort(place);
+  const float second = depth_at(depth, {float(raw_place.x()), float(raw_place.y())});
+  if (second <= 0.0F) return 0.0F;
+  return static_cast<float>((depth_from_colour.inverse() * camera.unproject(place, second)).z());
+}
+
 template <class T>
 std::vector<T> selected(const std::vector<T>& all, const std::vector<char>& keep) {
   std::vector<T> out;
@@ -25,18 +40,22 @@ std::vector<T> selected(const std::vector<T>& all, const std::vector<char>& keep
 }  // namespace
 
 FrameFeatures::FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth_image,
-                             const Camera& camera)
+                             const Camera& camera, const Se3& depth_from_colour)
     : descriptor(orb.descriptors),
       columns_(camera.width / cell + 1),
       rows_(camera.height / cell + 1) {
   raw_pixel.reserve(orb.keypoints.size());
   for (const cv::KeyPoint& k : orb.keypoints) {
     raw_pixel.push_back(k.pt);
-    depth.push_back(depth_at(depth_image, k.pt));
     level.push_back(static_cast<std::uint8_t>(k.octave));
     angle.push_back(k.angle);
   }
   pixel = camera.undistort(raw_pixel);
+  const bool moved = depth_from_colour.log().norm() > 1e-6;
+  for (std::size_t i = 0; i < pixel.size(); ++i) {
+    depth.push_back(moved ? carried_depth(depth_image, camera, depth_from_colour, pixel[i], raw_pixel[i])
+                          : depth_at(depth_image, raw_pixel[i]));
+  }
   build_grid();
 }
 

@@ -7,6 +7,7 @@
 
 #include "dkp_slam/feature/orb_extractor.h"
 #include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/geometry/se3.h"
 
 namespace dkp_slam {
 
@@ -17,7 +18,11 @@ class FrameFeatures {
  public:
   FrameFeatures() = default;
   /// `depth`: CV_32FC1 metres, 0 unknown, registered to the image the features come from.
-  FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth, const Camera& camera);
+  /// `depth_from_colour`: the camera's motion between the two images when they were not taken at the
+  /// same moment; each feature's depth is then read where the feature was at the depth image's
+  /// moment, and carried back. Identity reads straight through.
+  FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth, const Camera& camera,
+                const Se3& depth_from_colour = {});
 
   /// Those features whose flag is set, in their order.
   FrameFeatures subset(const std::vector<char>& keep) const;

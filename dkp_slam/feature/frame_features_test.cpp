@@ -54,6 +54,26 @@ TEST(FrameFeatures, DepthAndRightCoordinateOfAPlane) {
   }
 }
 
+TEST(FrameFeatures, DepthOfAnotherMomentIsCarriedBack) {
+  // A step: 1 m on the left of u = 320, 3 m on the right. Between the two images the camera moved
+  // 2 cm to the right and 1 cm forward, so what the colour image sees at u, the depth image sees
+  // 10 px (at 1 m) further left, and 1 cm nearer.
+  const Camera camera = plain_camera();
+  cv::Mat depth(480, 640, CV_32F, cv::Scalar(3.0));
+  depth.colRange(0, 320) = 1.0F;
+  OrbFeatures orb;
+  for (float u : {100.0F, 325.0F, 600.0F}) {
+    orb.keypoints.emplace_back(u, 240.0F, 31.0F, 0.0F, 1.0F, 0);
+    orb.descriptors.emplace_back();
+  }
+  Se3 depth_from_colour;
+  depth_from_colour.translation = {-0.02, 0.0, -0.01};
+  const FrameFeatures features(orb, depth, camera, depth_from_colour);
+  EXPECT_NEAR(features.depth[0], 1.01F, 1e-5);
+  EXPECT_NEAR(features.depth[1], 3.01F, 1e-5);  // still right of the step: 3.3 px at 3 m
+  EXPECT_NEAR(features.depth[2], 3.01F, 1e-5);
+}
+
 TEST(FrameFeatures, SubsetKeepsWhatIsFlagged) {
   const FrameFeatures all(random_features(30), cv::Mat::zeros(480, 640, CV_32F), plain_camera());
   std::vector<char> keep(30, 0);

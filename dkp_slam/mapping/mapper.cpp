@@ -45,20 +45,13 @@ void Mapper::insert_keyframe(Frame& frame) {
 void Mapper::create_landmarks(Frame& frame, int id, const std::vector<int>& feature_of_frame) {
   const Camera& camera = map_.camera();
   const FrameFeatures& features = map_.keyframe(id).features;
-  std::vector<std::pair<float, int>> by_depth;
-  for (int f = 0; f < features.size(); ++f) {
-    const float depth = features.depth[static_cast<std::size_t>(f)];
-    if (depth > 0.0F) by_depth.emplace_back(depth, f);
-  }
-  std::sort(by_depth.begin(), by_depth.end());
-  const double close = options_.close_depth_baselines * camera.baseline;
   const Se3 world_from_camera = frame.camera_from_world.inverse();
-  int nearest = 0;
-  for (const auto& [depth, f] : by_depth) {
-    if (depth > close && nearest >= options_.least_new) break;
-    ++nearest;
+  // Far ones too, where ORB-SLAM2 takes only a few: the weights know how uncertain their depth is,
+  // and in a room seen past people they are often most of what is static.
+  for (int f = 0; f < features.size(); ++f) {
     const auto s = static_cast<std::size_t>(f);
-    if (map_.keyframe(id).landmarks[s] >= 0) continue;
+    const float depth = features.depth[s];
+    if (depth <= 0.0F || map_.keyframe(id).landmarks[s] >= 0) continue;
     const cv::Point2f& p = features.pixel[s];
     const int landmark =
         map_.add_landmark(world_from_camera * camera.unproject({p.x, p.y}, depth), id, f);

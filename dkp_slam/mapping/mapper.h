@@ -11,10 +11,6 @@
 namespace dkp_slam {
 
 struct MapperOptions {
-  /// Landmarks are made of every feature nearer than this many baselines (metres: 40 * 0.075 = 3.0),
-  /// where depth is good, and of the nearest 100 in any case. As ORB-SLAM2, §III-B.
-  double close_depth_baselines = 40.0;
-  int least_new = 100;
   /// Share of a keyframe's landmarks that three others must see as well for it to go.
   double redundant_share = 0.9;
   LocalBundleOptions local;

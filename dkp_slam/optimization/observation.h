@@ -20,9 +20,9 @@ struct MeasurementModel {
   /// Pixel noise of a corner on pyramid level 0; it grows with the level's scale. One pixel is
   /// ORB-SLAM's assumption.
   double pixel_sigma = 1.0;
-  /// The depth noise formula of the camera, times this: on freiburg1 the depth image is up to 20 ms
-  /// older than the colour image, and edges, lens and calibration add what the formula leaves out.
-  double depth_sigma_factor = 3.0;
+  /// The depth noise formula of the camera, times this: the formula is the noise of one reading of a
+  /// plane; corners sit at edges, and registration, lens and calibration errors do not average out.
+  double depth_sigma_factor = 5.0;
   /// Robust thresholds: 95% of the chi-square distribution, 2 and 1 degrees of freedom.
   double pixel_chi2 = 5.991;
   double depth_chi2 = 3.841;

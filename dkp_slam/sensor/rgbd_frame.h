@@ -8,6 +8,9 @@ namespace dkp_slam {
 struct RgbdFrame {
   int index = 0;           ///< position in the source, from 0
   double timestamp = 0.0;  ///< seconds, the sensor's clock, of the colour image
+  /// Seconds from the colour image to the depth image; negative when depth was taken first. The
+  /// TUM recordings' cameras run freely, up to 20 ms apart.
+  double depth_delay = 0.0;
   cv::Mat colour;          ///< CV_8UC3, BGR, as the lens gives it (distorted)
   cv::Mat depth;           ///< CV_32FC1, metres, 0 where unknown; same size as colour
 };

@@ -17,6 +17,7 @@ struct ImagePair {
   double timestamp = 0.0;  ///< seconds, of the colour image
   std::string colour;      ///< path as written in the list
   std::string depth;
+  double depth_timestamp = 0.0;  ///< seconds
 };
 
 /// Reads "timestamp path" lines; '#' begins a comment; commas and tabs count as spaces. The result

@@ -36,7 +36,7 @@ std::vector<ImagePair> pair_by_time(const fs::path& folder, double max_differenc
   };
   std::vector<ImagePair> pairs;
   for (const auto& [c, d] : associate(stamps(colour), stamps(depth), max_difference)) {
-    pairs.push_back({colour[c].timestamp, colour[c].path, depth[d].path});
+    pairs.push_back({colour[c].timestamp, colour[c].path, depth[d].path, depth[d].timestamp});
   }
   if (pairs.empty()) {
     throw Error(
@@ -126,6 +126,7 @@ class TumSource : public RgbdSource {
     RgbdFrame frame;
     frame.index = static_cast<int>(index);
     frame.timestamp = pair.timestamp;
+    frame.depth_delay = pair.depth_timestamp - pair.timestamp;
     frame.colour = std::move(colour.image);
     frame.depth =
         depth_in_metres(depth.image, camera_.depth_scale, camera_.min_depth, camera_.max_depth);

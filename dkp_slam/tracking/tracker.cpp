@@ -71,13 +71,14 @@ bool Tracker::initialize(Frame& frame) {
   return true;
 }
 
+Se3 Tracker::motion_over(double seconds) const {
+  if (motion_time_ <= 0.0) return {};
+  return Se3::exp(seconds / motion_time_ * motion_.log());
+}
+
 bool Tracker::track_by_motion(Frame& frame) {
   // Constant velocity, over the time that has really passed: frames may be missing.
-  Se3 predicted = last_.camera_from_world;
-  if (motion_time_ > 0.0) {
-    const double ratio = (frame.timestamp - last_.timestamp) / motion_time_;
-    predicted = Se3::exp(ratio * motion_.log()) * predicted;
-  }
+  const Se3 predicted = motion_over(frame.timestamp - last_.timestamp) * last_.camera_from_world;
   for (const float widen : {1.0F, 2.0F}) {
     frame.camera_from_world = predicted;
     std::vector<FrameMatch> matches =

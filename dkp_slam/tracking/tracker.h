@@ -47,6 +47,10 @@ class Tracker {
   /// Localises the frame. Sets its pose and landmarks; true when it was localised.
   bool track(Frame& frame);
 
+  /// Camera at `seconds` after the last frame from camera at the last frame, were it to move on as
+  /// it did; identity while its motion is unknown.
+  Se3 motion_over(double seconds) const;
+
   TrackingState state() const { return state_; }
   const std::vector<TrackedPose>& poses() const { return poses_; }
   int tracked_landmarks() const { return tracked_landmarks_; }
