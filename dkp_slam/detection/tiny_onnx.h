@@ -15,7 +15,8 @@ inline std::string varint(std::uint64_t value) {
   return bytes + static_cast<char>(value);
 }
 inline std::string number(int field, std::uint64_t value) {
-  return varint(static_cast<std::uint64_t>(field) << 3) + varint(value);
+  // Not by operator+, at which g++ 12 warns without cause (bug 105651).
+  return varint(static_cast<std::uint64_t>(field) << 3).append(varint(value));
 }
 inline std::string bytes(int field, const std::string& value) {
   return varint(static_cast<std::uint64_t>(field) << 3 | 2) + varint(value.size()) + value;
