@@ -130,7 +130,7 @@ bool measure_all(const Arguments& arguments, const MeasureOptions& options, Resu
   return true;
 }
 
-ReportHeader header_of(const Arguments& arguments, const MeasureOptions& options, bool complete) {
+ReportHeader header_of(const Arguments& arguments, const MeasureOptions& options) {
   ReportHeader header;
   header.date = today();
   header.machine = this_machine();
@@ -141,7 +141,6 @@ ReportHeader header_of(const Arguments& arguments, const MeasureOptions& options
   header.sequences = arguments.sequences;
   header.modes = arguments.modes;
   for (int r = 1; r <= arguments.repeat; ++r) header.seeds.push_back(seed_of(r));
-  header.complete = complete;
   return header;
 }
 
@@ -149,12 +148,14 @@ int run(const Arguments& arguments) {
   const MeasureOptions options = measure_options(arguments);
   check(arguments, options);
   apps::catch_interrupts();
+  // Before the runs: the day and the commit are those of what is measured.
+  ReportHeader header = header_of(arguments, options);
   Results results;
-  const bool complete = measure_all(arguments, options, results);
-  const std::string page = report(header_of(arguments, options, complete), results);
+  header.complete = measure_all(arguments, options, results);
+  const std::string page = report(header, results);
   fmt::print("{}", page);
   if (!arguments.out.empty()) write_file_atomically(arguments.out, page);
-  if (!complete) {
+  if (!header.complete) {
     fmt::print(stderr, "interrupted; go on with --resume {}\n", options.runs.string());
     return EXIT_FAILURE;
   }

@@ -226,7 +226,7 @@ std::string report(const ReportHeader& header, const Results& results) {
       "person over 5 % of the image, each true region against the masks that touch it; a feature "
       "counts as removed when it is called not static. Tracking without detection: features, "
       "clustering, removal and tracking of a frame, one after the other; with mode off it is "
-      "what ORB-SLAM3 calls tracking.\n\n";
+      "what ORB-SLAM3 calls tracking. Memory: VmHWM, MB of 1024 x 1024 bytes.\n\n";
   out += targets_table(results) + '\n';
   out += "## Ablation (as the paper's Table 6)\n\nATE in metres: RMSE and standard deviation.\n\n";
   out += ablation_table(header.sequences, header.modes, results) + '\n';

@@ -41,17 +41,17 @@ Se3 tremor(cv::RNG& rng, double time) {
 
 }  // namespace
 
-Se3 camera_pose(CameraMotion motion, std::uint64_t seed, double time) {
+Se3 camera_pose(SyntheticMotion motion, std::uint64_t seed, double time) {
   cv::RNG rng(seed * 2 + 77);
   // Picks up speed over the first second.
   const double t = time < 1.0 ? 0.5 * time * time : time - 0.5;
   Vector3d position = start, aim = target;
-  if (motion == CameraMotion::xyz) {
+  if (motion == SyntheticMotion::xyz) {
     const double x = wave(rng, t, 6.3), y = wave(rng, t, 8.9), z = wave(rng, t, 5.1);
     position += Vector3d(0.32 * x, 0.22 * y, 0.22 * z);
     // The gaze follows, so that the view shifts as in a translation.
     aim += Vector3d(0.22 * x, 0.0, 0.12 * z);
-  } else if (motion == CameraMotion::halfsphere) {
+  } else if (motion == SyntheticMotion::halfsphere) {
     const double azimuth = 0.50 * wave(rng, t, 9.5);
     const double elevation = 0.17 + 0.20 * (1.0 - std::cos(2.0 * std::numbers::pi * t / 7.4));
     position = target + sphere_radius * Vector3d(std::sin(azimuth) * std::cos(elevation),

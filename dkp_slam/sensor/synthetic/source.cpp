@@ -28,9 +28,9 @@ Camera SyntheticOptions::default_camera() {
 SyntheticOptions synthetic_scenario(const std::string& name) {
   SyntheticOptions options;
   if (name == "walking_halfsphere") {
-    options.motion = CameraMotion::halfsphere;
+    options.motion = SyntheticMotion::halfsphere;
   } else if (name == "walking_static") {
-    options.motion = CameraMotion::still;
+    options.motion = SyntheticMotion::still;
   } else if (name == "static_xyz") {
     options.people = 0;
   } else if (name != "walking_xyz") {

@@ -12,7 +12,7 @@
 namespace dkp_slam {
 
 struct SyntheticOptions {
-  CameraMotion motion = CameraMotion::xyz;
+  SyntheticMotion motion = SyntheticMotion::xyz;
   int people = 2;
   std::size_t frames = 300;  ///< at the camera's frame rate
   std::uint64_t seed = 1;

@@ -67,8 +67,8 @@ TEST(SyntheticSource, NoiseDoesNotTouchTheTruth) {
 }
 
 TEST(SyntheticMotion, IsSmoothAndSlowEnoughForAHand) {
-  for (const CameraMotion motion :
-       {CameraMotion::xyz, CameraMotion::halfsphere, CameraMotion::still}) {
+  for (const SyntheticMotion motion :
+       {SyntheticMotion::xyz, SyntheticMotion::halfsphere, SyntheticMotion::still}) {
     double path = 0.0;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       for (int i = 0; i < 900; ++i) {
@@ -81,7 +81,7 @@ TEST(SyntheticMotion, IsSmoothAndSlowEnoughForAHand) {
       }
     }
     // Metres in three times thirty seconds.
-    if (motion == CameraMotion::still) {
+    if (motion == SyntheticMotion::still) {
       EXPECT_LT(path, 3.0);
     } else {
       EXPECT_GT(path, 15.0);
@@ -92,8 +92,8 @@ TEST(SyntheticMotion, IsSmoothAndSlowEnoughForAHand) {
 TEST(SyntheticScenario, KnowsItsNames) {
   EXPECT_EQ(synthetic_scenario("static_xyz").people, 0);
   EXPECT_EQ(synthetic_scenario("walking_xyz").people, 2);
-  EXPECT_EQ(synthetic_scenario("walking_static").motion, CameraMotion::still);
-  EXPECT_EQ(synthetic_scenario("walking_halfsphere").motion, CameraMotion::halfsphere);
+  EXPECT_EQ(synthetic_scenario("walking_static").motion, SyntheticMotion::still);
+  EXPECT_EQ(synthetic_scenario("walking_halfsphere").motion, SyntheticMotion::halfsphere);
   EXPECT_THROW(synthetic_scenario("flying"), Error);
 }
 

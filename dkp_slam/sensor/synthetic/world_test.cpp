@@ -66,7 +66,7 @@ TEST(SyntheticWorld, DepthAndMaskAreThoseOfTheNearestShape) {
   const SyntheticWorld one_person(seed, 1);
 
   const double time = 2.0;
-  const Se3 pose = camera_pose(CameraMotion::halfsphere, seed, time);
+  const Se3 pose = camera_pose(SyntheticMotion::halfsphere, seed, time);
   const Se3 camera_from_world = pose.inverse();
   const Rendering seen = one_person.render(camera(), pose, time);
   int dynamic = 0;
@@ -94,8 +94,8 @@ TEST(SyntheticWorld, DepthAndMaskAreThoseOfTheNearestShape) {
 }
 
 TEST(SyntheticWorld, StaticPointsAgreeBetweenFramesUnderTheTruePoses) {
-  const Se3 pose_a = camera_pose(CameraMotion::xyz, 1, 3.0);
-  const Se3 pose_b = camera_pose(CameraMotion::xyz, 1, 3.4);
+  const Se3 pose_a = camera_pose(SyntheticMotion::xyz, 1, 3.0);
+  const Se3 pose_b = camera_pose(SyntheticMotion::xyz, 1, 3.4);
   ASSERT_GT((pose_a.inverse() * pose_b).translation.norm(), 0.03);
   const Rendering a = world().render(camera(), pose_a, 3.0);
   const Rendering b = world().render(camera(), pose_b, 3.4);
@@ -142,7 +142,7 @@ TEST(SyntheticWorld, StaticPointsAgreeBetweenFramesUnderTheTruePoses) {
 }
 
 TEST(SyntheticWorld, PeopleMoveAndTheRoomDoesNot) {
-  const Se3 pose = camera_pose(CameraMotion::still, 1, 0.0);
+  const Se3 pose = camera_pose(SyntheticMotion::still, 1, 0.0);
   const Rendering before = world().render(camera(), pose, 2.0);
   const Rendering after = world().render(camera(), pose, 2.5);
   const cv::Mat moved = (before.depth != after.depth);
@@ -159,8 +159,8 @@ TEST(SyntheticWorld, PeopleMoveAndTheRoomDoesNot) {
 }
 
 TEST(SyntheticWorld, ManySpreadFeaturesEverywhereOnEveryPath) {
-  for (const CameraMotion motion :
-       {CameraMotion::xyz, CameraMotion::halfsphere, CameraMotion::still}) {
+  for (const SyntheticMotion motion :
+       {SyntheticMotion::xyz, SyntheticMotion::halfsphere, SyntheticMotion::still}) {
     const Rendering seen = world().render(camera(), camera_pose(motion, 1, 6.0), 6.0);
     std::vector<cv::KeyPoint> keypoints;
     cv::FAST(seen.colour, keypoints, 20);
