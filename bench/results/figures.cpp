@@ -38,6 +38,8 @@ std::optional<double> value_of(const RunFigures& run, Quantity quantity) {
       return run.ate_rmse;
     case Quantity::ate_deviation:
       return run.ate_deviation;
+    case Quantity::lost_frames:
+      return static_cast<double>(run.lost_frames);
     case Quantity::rpe_second:
       return run.rpe_second;
     case Quantity::rpe_frame:

@@ -48,6 +48,7 @@ struct Results {
 enum class Quantity {
   ate,
   ate_deviation,
+  lost_frames,
   rpe_second,
   rpe_frame,
   rpe_degrees,

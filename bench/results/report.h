@@ -25,7 +25,7 @@ std::string report(const ReportHeader& header, const Results& results);
 /// The lines of the goals alone.
 std::string targets_table(const Results& results);
 
-/// ATE RMSE and S.D. of all sequences, a row per mode, medians over the runs.
+/// ATE RMSE and S.D. and lost frames of all sequences, a row per mode, medians over the runs.
 std::string ablation_table(const std::vector<std::string>& sequences,
                            const std::vector<std::string>& modes, const Results& results);
 

@@ -80,13 +80,14 @@ TEST(Report, GoalWithoutRunsIsOpen) {
 }
 
 TEST(Report, AblationHasAModePerRow) {
-  const std::string table =
-      ablation_table({"composite_xyz_walking"}, {"off", "dkp+"}, three_runs());
+  Results results = three_runs();
+  for (std::size_t i = 0; i < 3; ++i) results.runs[i].lost_frames = 3 + i;
+  const std::string table = ablation_table({"composite_xyz_walking"}, {"off", "dkp+"}, results);
   EXPECT_EQ(table,
-            "| mode | composite_xyz_walking RMSE |   S.D. |\n"
-            "|------|---------------------------:|-------:|\n"
-            "| off  |                          - |      - |\n"
-            "| dkp+ |                     0.0120 | 0.0060 |\n");
+            "| mode | composite_xyz_walking RMSE |   S.D. | lost |\n"
+            "|------|---------------------------:|-------:|-----:|\n"
+            "| off  |                          - |      - |    - |\n"
+            "| dkp+ |                     0.0120 | 0.0060 |    4 |\n");
 }
 
 TEST(Report, PageHoldsEverySectionAndWarnsOfFewRunsAndLoad) {
