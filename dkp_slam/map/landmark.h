@@ -43,11 +43,13 @@ struct Landmark {
 /// How evidence from single frames adds up in a landmark's log-odds, so that one bad frame neither
 /// kills a good point nor keeps a bad one.
 struct LandmarkBelief {
-  float moved = 0.9F;   ///< added when a frame calls the matched feature dynamic
-  float stayed = -0.3F; ///< added when it is matched and static
+  float stayed = -0.3F;  ///< matched where it should be, and the feature called static
+  float doubted = -0.1F; ///< matched where it should be, but the feature called dynamic
+  float strayed = 0.2F;  ///< matched elsewhere: a wrong match more often than a motion
+  float moved = 0.9F;    ///< matched elsewhere, and the feature called dynamic
   float lowest = -2.5F, highest = 3.0F;  ///< bounds, so that a change of mind stays possible
-  float dynamic_above = 1.5F;  ///< a landmark is dropped above it: at least two bad frames
-  float trusted_below = -1.5F; ///< and withstands a frame's verdict below it
+  float dynamic_above = 1.5F;   ///< a landmark is dropped above it: at least two bad frames
+  float trusted_below = -0.5F;  ///< and withstands a frame's verdict below it: two good frames
 };
 
 }  // namespace dkp_slam

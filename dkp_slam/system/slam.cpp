@@ -47,6 +47,7 @@ FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_o
   frame.timestamp = prepared.frame.timestamp;
   frame.features = FrameFeatures(prepared.orb, prepared.frame.depth, options_.camera,
                                  tracker_.motion_over(prepared.frame.depth_delay));
+  frame.current_from_previous = dynamics.current_from_previous;
   frame.is_static.reserve(dynamics.features.size());
   for (const FeatureDynamics& f : dynamics.features) frame.is_static.push_back(f.is_static);
   const int keyframes_before = map_.keyframe_ids();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "dkp_slam/feature/frame_features.h"
@@ -14,6 +15,8 @@ struct Frame {
   FrameFeatures features;
   std::vector<char> is_static;  ///< per feature: the dynamics room's verdict
   std::vector<int> landmark;    ///< per feature: id in the map, -1 for none
+  /// Camera's motion since the frame before, where somebody measured it (the dynamics room does).
+  std::optional<Se3> current_from_previous;
   Se3 camera_from_world;
   int reference_keyframe = -1;
 

@@ -33,8 +33,9 @@ bool Tracker::track(Frame& frame) {
   if (state_ == TrackingState::tracking) {
     found = track_by_motion(frame) || track_reference_keyframe(frame);
   }
-  if (!found) found = relocalize(map_, model_, frame);
   found = found && track_local_map(frame);
+  if (!found && relocalize(map_, model_, frame)) found = track_local_map(frame);
+  if (!found) found = carry_by_motion(frame);
   if (!found) {
     if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);
     state_ = TrackingState::lost;
@@ -47,7 +48,8 @@ bool Tracker::track(Frame& frame) {
     motion_time_ = frame.timestamp - last_.timestamp;
   }
   state_ = TrackingState::tracking;
-  if (keyframe_is_due(frame)) {
+  if (tracked_landmarks_ > 0) map_time_ = frame.timestamp;
+  if (tracked_landmarks_ > 0 && keyframe_is_due(frame)) {
     mapper_.insert_keyframe(frame);
     keyframe_time_ = frame.timestamp;
   }
@@ -67,6 +69,7 @@ bool Tracker::initialize(Frame& frame) {
   keyframe_time_ = frame.timestamp;
   tracked_landmarks_ = frame.tracked_landmarks();
   state_ = TrackingState::tracking;
+  map_time_ = frame.timestamp;
   remember(frame);
   return true;
 }
@@ -78,7 +81,10 @@ Se3 Tracker::motion_over(double seconds) const {
 
 bool Tracker::track_by_motion(Frame& frame) {
   // Constant velocity, over the time that has really passed: frames may be missing.
-  const Se3 predicted = motion_over(frame.timestamp - last_.timestamp) * last_.camera_from_world;
+  const bool measured = frame.current_from_previous && last_.index == frame.index - 1;
+  const Se3 predicted =
+      (measured ? *frame.current_from_previous : motion_over(frame.timestamp - last_.timestamp)) *
+      last_.camera_from_world;
   for (const float widen : {1.0F, 2.0F}) {
     frame.camera_from_world = predicted;
     std::vector<FrameMatch> matches =
@@ -89,6 +95,18 @@ bool Tracker::track_by_motion(Frame& frame) {
     return true;
   }
   return false;
+}
+
+bool Tracker::carry_by_motion(Frame& frame) {
+  const bool measured = frame.current_from_previous && last_.index == frame.index - 1;
+  if (state_ != TrackingState::tracking || !measured) return false;
+  if (frame.timestamp - map_time_ > options_.longest_carry) return false;
+  frame.camera_from_world = *frame.current_from_previous * last_.camera_from_world;
+  frame.reference_keyframe = last_.reference_keyframe;
+  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  spdlog::debug("frame {}: carried by its motion, {} landmarks tracked", frame.index, tracked_landmarks_);
+  tracked_landmarks_ = 0;
+  return true;
 }
 
 bool Tracker::track_reference_keyframe(Frame& frame) {
@@ -156,27 +174,38 @@ bool Tracker::track_local_map(Frame& frame) {
   for (const int l : matched) ++map_.landmark(l).visible;
   constexpr float radius_factor = 3.0F;  // ORB-SLAM's for RGB-D
   for (const FrameMatch& m : match_visible(map_, frame, visible, radius_factor)) matches.push_back(m);
-  weigh_evidence(frame, matches);
+  const std::vector<FrameMatch> all_matches = matches;
+  drop_dynamic(frame, matches);
   tracked_landmarks_ = refine_pose(map_, model_, frame, matches);
+  if (tracked_landmarks_ < options_.least_inliers) return false;
   for (const FrameMatch& m : matches) ++map_.landmark(m.landmark).found;
   assign(frame, matches);
-  return tracked_landmarks_ >= options_.least_inliers;
+  weigh_evidence(frame, all_matches);
+  return true;
 }
 
-void Tracker::weigh_evidence(Frame& frame, std::vector<FrameMatch>& matches) {
+void Tracker::drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const {
   std::erase_if(matches, [&](const FrameMatch& m) {
-    Landmark& l = map_.landmark(m.landmark);
-    const auto s = static_cast<std::size_t>(m.feature);
-    const LandmarkBelief& belief = options_.belief;
-    l.dynamic_log_odds = std::clamp(
-        l.dynamic_log_odds + (frame.is_static[s] ? belief.stayed : belief.moved), belief.lowest,
-        belief.highest);
-    if (l.dynamic_log_odds > belief.dynamic_above) {
-      map_.remove_landmark(m.landmark);
-      return true;
-    }
-    return !frame.is_static[s] && l.dynamic_log_odds > belief.trusted_below;
+    return !frame.is_static[static_cast<std::size_t>(m.feature)] &&
+           map_.landmark(m.landmark).dynamic_log_odds > options_.belief.trusted_below;
   });
+}
+
+void Tracker::weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& matches) {
+  const LandmarkBelief& belief = options_.belief;
+  for (const FrameMatch& m : matches) {
+    Landmark& l = map_.landmark(m.landmark);
+    const Observation seen = observation_of(frame.features, m.feature, map_, model_);
+    const Eigen::Vector3d p = frame.camera_from_world * l.position;
+    const bool in_place =
+        p.z() > 0.0 && (map_.camera().project(p) - seen.pixel).squaredNorm() <=
+                           model_.pixel_chi2 * seen.pixel_sigma * seen.pixel_sigma;
+    const bool called_static = frame.is_static[static_cast<std::size_t>(m.feature)];
+    const float change = in_place ? (called_static ? belief.stayed : belief.doubted)
+                                  : (called_static ? belief.strayed : belief.moved);
+    l.dynamic_log_odds = std::clamp(l.dynamic_log_odds + change, belief.lowest, belief.highest);
+    if (l.dynamic_log_odds > belief.dynamic_above) map_.remove_landmark(m.landmark);
+  }
 }
 
 bool Tracker::keyframe_is_due(const Frame& frame) const {

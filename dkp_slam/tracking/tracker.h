@@ -26,6 +26,10 @@ struct TrackerOptions {
   double keyframe_interval = 1.0;
   /// ... and as soon as fewer than this share of the reference keyframe's landmarks are tracked.
   double keyframe_share = 0.75;
+  /// A frame in which too few landmarks are found is placed by its measured motion from the frame
+  /// before, if that was this long ago at most since the map was last seen, seconds: the time that
+  /// somebody takes to walk past the camera. Beyond, drift would pass for localisation.
+  double longest_carry = 1.0;
   LandmarkBelief belief;
 };
 
@@ -61,7 +65,9 @@ class Tracker {
   bool track_reference_keyframe(Frame& frame);
   bool track_local_map(Frame& frame);
   std::vector<int> local_landmarks(Frame& frame) const;
-  void weigh_evidence(Frame& frame, std::vector<FrameMatch>& matches);
+  void drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const;
+  void weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& matches);
+  bool carry_by_motion(Frame& frame);
   bool keyframe_is_due(const Frame& frame) const;
   void follow_map_changes();
   void remember(const Frame& frame);
@@ -76,6 +82,7 @@ class Tracker {
   Se3 motion_;               ///< camera at the last frame from camera at the one before
   double motion_time_ = 0.0; ///< seconds that motion took; 0 when unknown
   double keyframe_time_ = 0.0;
+  double map_time_ = 0.0;    ///< of the last frame that was localised in the map
   int tracked_landmarks_ = 0;
   std::vector<TrackedPose> poses_;
 };
