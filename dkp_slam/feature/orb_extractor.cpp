@@ -63,7 +63,7 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
     scale *= options.scale;
     share *= inverse;
   }
-  describer_ = cv::ORB::create(options.features, options.scale, options.levels, border, 0, 2,
+  describer_ = cv::ORB::create(options.features, options.scale, 1, border, 0, 2,
                                cv::ORB::HARRIS_SCORE, 2 * patch_radius + 1);
 }
 
@@ -84,18 +84,18 @@ OrbFeatures OrbExtractor::extract(const cv::Mat& grey) {
     std::vector<cv::KeyPoint> found =
         detect_level(image, wanted_per_level_[static_cast<std::size_t>(level)]);
     add_angles(image, found);
-    for (cv::KeyPoint& k : found) {
+    // One level at a time on our own pyramid: OpenCV would build its own again, the slow exact way.
+    cv::Mat rows;
+    describer_->compute(image, found, rows);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      cv::KeyPoint& k = found[i];
       k.pt *= scale;
       k.octave = level;
       k.size = scale * (2 * patch_radius + 1);
       out.keypoints.push_back(k);
+      out.descriptors.emplace_back();
+      std::memcpy(out.descriptors.back().data(), rows.ptr(static_cast<int>(i)), sizeof(Descriptor));
     }
-  }
-  cv::Mat rows;
-  describer_->compute(grey, out.keypoints, rows);
-  out.descriptors.resize(out.keypoints.size());
-  for (std::size_t i = 0; i < out.descriptors.size(); ++i) {
-    std::memcpy(out.descriptors[i].data(), rows.ptr(static_cast<int>(i)), sizeof(Descriptor));
   }
   return out;
 }
@@ -108,7 +108,11 @@ std::vector<cv::KeyPoint> OrbExtractor::detect_level(const cv::Mat& image, int w
   cv::FAST(image(inner), corners, options_.fast_threshold, true);
   search_empty_cells(image(inner), options_.fast_low_threshold, corners);
   corners = spread_by_quadtree(corners, cv::Rect2f(0, 0, inner.width, inner.height), wanted);
-  for (cv::KeyPoint& k : corners) k.pt += cv::Point2f(inner.tl());
+  for (cv::KeyPoint& k : corners) {
+    k.pt += cv::Point2f(inner.tl());
+    k.octave = 0;
+    k.size = 2 * patch_radius + 1;
+  }
   return corners;
 }
 

@@ -30,8 +30,9 @@ Eigen::Vector2d Camera::distort(const Eigen::Vector2d& pixel) const {
 
 std::vector<cv::Point2f> Camera::undistort(const std::vector<cv::Point2f>& raw) const {
   if (distortion.none()) return raw;
-  // The iteration contracts by about 0.3 a step on the lenses at hand: 20 steps reach 1e-9 px.
+  // The iteration contracts by 0.3 a step and better on the lenses at hand; most pixels need five.
   constexpr int iterations = 20;
+  const double enough = 1e-5 / fx;  // normalised: a hundred-thousandth of a pixel
   std::vector<cv::Point2f> out;
   out.reserve(raw.size());
   for (const cv::Point2f& p : raw) {
@@ -40,8 +41,11 @@ std::vector<cv::Point2f> Camera::undistort(const std::vector<cv::Point2f>& raw) 
     double x = xd, y = yd;
     for (int i = 0; i < iterations; ++i) {
       const LensTerms t = lens_terms(distortion, x, y);
-      x = (xd - t.dx) / t.radial;
-      y = (yd - t.dy) / t.radial;
+      const double next_x = (xd - t.dx) / t.radial, next_y = (yd - t.dy) / t.radial;
+      const double change = std::abs(next_x - x) + std::abs(next_y - y);
+      x = next_x;
+      y = next_y;
+      if (change < enough) break;
     }
     out.emplace_back(static_cast<float>(fx * x + cx), static_cast<float>(fy * y + cy));
   }
