@@ -300,7 +300,7 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
     s.motion.compensate(frame.depth, points, low, s.frame_seed, found);
     std::vector<std::uint8_t> doubtful(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) doubtful[i] = low[i] == 0 ? 1 : 0;
-    if (found.camera_motion) {
+    if (found.camera_motion && found.from_low_points) {
       result.current_from_previous = found.camera_motion->previous_from_current.inverse();
     }
     s.motion.look_back(frame.depth, points, doubtful, found);

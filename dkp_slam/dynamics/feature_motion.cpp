@@ -103,6 +103,7 @@ void FeatureMotionEstimator::compensate(const cv::Mat& depth,
   Se3 guess;  // the camera goes on as it moved before
   if (steps_.size() > 1 && steps_[1].previous_from_this) guess = *steps_[1].previous_from_this;
   const bool enough = static_cast<int>(low_points.size()) >= options_.min_low_points;
+  motion.from_low_points = enough;
   motion.camera_motion =
       estimate_motion(camera_, enough ? low_points : all_points, guess, options_.motion, seed);
   if (!motion.camera_motion) return;

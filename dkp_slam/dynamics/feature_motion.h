@@ -32,6 +32,7 @@ struct FeatureMotion {
   FlowResult tracks;                   ///< into the frame before, raw pixels
   std::vector<cv::Point2f> now, then;  ///< undistorted pixels
   std::optional<CameraMotion> camera_motion;
+  bool from_low_points = false;  ///< camera_motion rests on what lies outside the boxes alone
   std::vector<float> residual;       ///< pixels off the static prediction, NaN where unknown
   std::vector<float> long_residual;  ///< the same over the longer baseline
 };

@@ -43,7 +43,8 @@ bool Tracker::track(Frame& frame) {
     return false;
   }
 
-  if (state_ == TrackingState::tracking) {
+  // Only well-founded poses tell how the camera moves: a poor one would be carried on for frames.
+  if (state_ == TrackingState::tracking && tracked_landmarks_ >= options_.least_for_motion) {
     motion_ = frame.camera_from_world * last_.camera_from_world.inverse();
     motion_time_ = frame.timestamp - last_.timestamp;
   }
@@ -79,12 +80,26 @@ Se3 Tracker::motion_over(double seconds) const {
   return Se3::exp(seconds / motion_time_ * motion_.log());
 }
 
+Se3 Tracker::predicted_motion(const Frame& frame) const {
+  const double passed = frame.timestamp - last_.timestamp;
+  const Se3 steady = motion_over(passed);
+  if (!frame.current_from_previous || last_.index != frame.index - 1) {
+    return frame.timestamp - map_time_ < options_.longest_steady ? steady : Se3();
+  }
+  if (motion_time_ <= 0.0) return *frame.current_from_previous;
+  // Nobody changes a camera's speed faster than that: else the flow was not that of the room.
+  const Se3 change = *frame.current_from_previous * steady.inverse();
+  const bool plausible =
+      change.translation.norm() < options_.most_acceleration * passed * passed &&
+      change.angle() < options_.most_angular_acceleration * passed * passed;
+  if (plausible) return *frame.current_from_previous;
+  // A guess from old motion runs away; after a few frames even a doubtful measurement is better.
+  return frame.timestamp - map_time_ < options_.longest_steady ? steady : *frame.current_from_previous;
+}
+
 bool Tracker::track_by_motion(Frame& frame) {
   // Constant velocity, over the time that has really passed: frames may be missing.
-  const bool measured = frame.current_from_previous && last_.index == frame.index - 1;
-  const Se3 predicted =
-      (measured ? *frame.current_from_previous : motion_over(frame.timestamp - last_.timestamp)) *
-      last_.camera_from_world;
+  const Se3 predicted = predicted_motion(frame) * last_.camera_from_world;
   for (const float widen : {1.0F, 2.0F}) {
     frame.camera_from_world = predicted;
     std::vector<FrameMatch> matches =
@@ -98,10 +113,9 @@ bool Tracker::track_by_motion(Frame& frame) {
 }
 
 bool Tracker::carry_by_motion(Frame& frame) {
-  const bool measured = frame.current_from_previous && last_.index == frame.index - 1;
-  if (state_ != TrackingState::tracking || !measured) return false;
+  if (state_ != TrackingState::tracking || motion_time_ <= 0.0) return false;
   if (frame.timestamp - map_time_ > options_.longest_carry) return false;
-  frame.camera_from_world = *frame.current_from_previous * last_.camera_from_world;
+  frame.camera_from_world = predicted_motion(frame) * last_.camera_from_world;
   frame.reference_keyframe = last_.reference_keyframe;
   std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
   spdlog::debug("frame {}: carried by its motion, {} landmarks tracked", frame.index, tracked_landmarks_);

@@ -30,6 +30,13 @@ struct TrackerOptions {
   /// before, if that was this long ago at most since the map was last seen, seconds: the time that
   /// somebody takes to walk past the camera. Beyond, drift would pass for localisation.
   double longest_carry = 1.0;
+  /// Constant velocity is assumed no longer than this since the map was last seen, seconds.
+  double longest_steady = 0.15;
+  int least_for_motion = 40;  ///< landmarks tracked in a frame whose motion is believed
+  /// Bounds for a measured motion to be believed against constant velocity, m/s^2 and rad/s^2: a
+  /// hand-held camera that is shaken stays under 20 and 60.
+  double most_acceleration = 20.0;
+  double most_angular_acceleration = 60.0;
   LandmarkBelief belief;
 };
 
@@ -68,6 +75,7 @@ class Tracker {
   void drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const;
   void weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& matches);
   bool carry_by_motion(Frame& frame);
+  Se3 predicted_motion(const Frame& frame) const;
   bool keyframe_is_due(const Frame& frame) const;
   void follow_map_changes();
   void remember(const Frame& frame);
