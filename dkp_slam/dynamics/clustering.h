@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/dynamics/depth_view.h"
+#include "dkp_slam/dynamics/flat_patches.h"
 #include "dkp_slam/dynamics/frame_dynamics.h"
 #include "dkp_slam/dynamics/plane.h"
 #include "dkp_slam/dynamics/segments.h"
@@ -38,6 +39,7 @@ struct ClusteringOptions {
   /// first sight, mode `paper`: less is something thin in front of it.
   double first_mode_share = 0.2;
   SegmentOptions segments;
+  FlatPatchOptions flat_patches;
   /// Share of a segment that must lie in the (grown) box to be taken for a part of the object:
   /// what runs on outside is the room or somebody else.
   double inside_share = 0.5;
@@ -72,8 +74,8 @@ struct Scene {
 };
 
 /// Builds the scene; planes are fitted where `covered` (CV_8UC1, view size) is 0, which should hold
-/// no person.
-Scene make_scene(const DepthView& view, const cv::Mat& covered, const ClusteringOptions& options,
+/// no person. `focal_length` of the image in pixels.
+Scene make_scene(const DepthView& view, double focal_length, const cv::Mat& covered, const ClusteringOptions& options,
                  std::uint64_t seed);
 
 /// Cuts the object in `box` (pixels of the image) out of the depth. Adaptive K-means++ gives the

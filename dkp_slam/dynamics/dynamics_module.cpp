@@ -180,10 +180,12 @@ void DynamicsModule::State::add_moving_surfaces(const Scene& scene, double now) 
   std::vector<Suspect> still_suspect;
   const double needed =
       options.removal.moving_surface_share * static_cast<double>(surfaces.labels.total());
+  // When half of what is seen seems to move, it is the camera's motion that is wrong.
+  const double most = 0.5 * static_cast<double>(surfaces.labels.total());
   for (std::size_t i = 0; i < surfaces.segments.size(); ++i) {
     const Segment& s = surfaces.segments[i];
     if (!s.proved_moving() || s.moving < options.removal.moving_surface_points) continue;
-    if (s.area < needed || s.flat) continue;
+    if (s.area < needed || s.area > most || s.flat) continue;
     ObjectMask mask;
     mask.area = s.box;
     mask.mask = surfaces.labels(s.box) == static_cast<int>(i) + 1;
@@ -233,8 +235,9 @@ cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame,
                                          const std::vector<cv::Point2f>& points,
                                          const FeatureMotion& found) {
   cv::Mat labels = cv::Mat::zeros(frame.depth.size(), CV_8UC1);
-  const cv::Mat covered = people_cover();
+  cv::Mat covered = people_cover();
   const bool people = !covered.empty();
+  if (!people) covered = cv::Mat::zeros(rays.size(), CV_8UC1);
   const auto movers = std::count_if(found.residual.begin(), found.residual.end(),
                                     [&](float r) { return r > options.removal.moving_short; });
   const bool with_motion = options.mode == DynamicsMode::dkp_plus;
@@ -242,7 +245,7 @@ cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame,
     return labels;
   }
   Scene scene =
-      make_scene(make_depth_view(frame.depth, rays), covered, options.clustering, frame_seed);
+      make_scene(make_depth_view(frame.depth, rays), camera.fx, covered, options.clustering, frame_seed);
   if (with_motion) judge_surfaces(points, found, scene);
   std::vector<bool> gone(tracker.objects().size(), false);
   for (std::size_t o = 0; o < gone.size(); ++o) gone[o] = !cut_object(scene, o);

@@ -22,15 +22,6 @@ bool on_plane(const Plane& plane, const Eigen::Vector3f& point, const PlaneOptio
          half_thickness(point.z(), options) + margin;
 }
 
-std::optional<Plane> through(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                             const Eigen::Vector3f& c) {
-  const Eigen::Vector3f normal = (b - a).cross(c - a);
-  const float length = normal.norm();
-  constexpr float min_area = 1e-3F;  // square metres: thinner triangles have no stable normal
-  if (length < min_area) return std::nullopt;
-  return Plane{normal / length, normal.dot(a) / length};
-}
-
 struct FittedPlane {
   Plane plane;
   double extent = 0.0;  ///< metres along its longer axis, taking the points as spread evenly
@@ -72,6 +63,15 @@ std::vector<Eigen::Vector3f> sample_points(const DepthView& view, const cv::Mat&
 
 }  // namespace
 
+std::optional<Plane> plane_through(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                                   const Eigen::Vector3f& c) {
+  const Eigen::Vector3f normal = (b - a).cross(c - a);
+  const float length = normal.norm();
+  constexpr float min_area = 5e-4F;  // square metres: thinner triangles have no stable normal
+  if (length < min_area) return std::nullopt;
+  return Plane{normal / length, normal.dot(a) / length};
+}
+
 std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
                               const PlaneOptions& options, std::uint64_t seed) {
   std::vector<Eigen::Vector3f> points = sample_points(view, exclude);
@@ -88,7 +88,7 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
       const auto& a = points[random() % points.size()];
       const auto& b = points[random() % points.size()];
       const auto& c = points[random() % points.size()];
-      const std::optional<Plane> plane = through(a, b, c);
+      const std::optional<Plane> plane = plane_through(a, b, c);
       if (!plane) continue;
       const auto count = static_cast<int>(
           std::count_if(points.begin(), points.end(),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,6 +33,10 @@ struct PlaneOptions {
   double removal_margin = 0.02;
   double slope_error = 0.45;  ///< rise over run by which a surface on the plane may lean off it
 };
+
+/// Plane through three points; nothing when they lie too close to a line.
+std::optional<Plane> plane_through(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                                   const Eigen::Vector3f& c);
 
 /// Largest planes of the view by RANSAC and least squares, over pixels where `exclude` (CV_8UC1,
 /// view size, may be empty) is 0. The largest comes first.

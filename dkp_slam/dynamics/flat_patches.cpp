@@ -1,0 +1,130 @@
+#include "dkp_slam/dynamics/flat_patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/imgproc.hpp>
+
+#include "dkp_slam/dynamics/plane.h"
+
+namespace dkp_slam {
+namespace {
+
+class PatchFinder {
+ public:
+  PatchFinder(const DepthView& view, const SegmentMap& map, int label,
+              const FlatPatchOptions& options, std::uint64_t seed)
+      : view_(view), map_(map), label_(label), options_(options), random_(seed) {
+    const cv::Rect& box = map.segments[static_cast<std::size_t>(label - 1)].box;
+    constexpr int stride = 3;
+    for (int y = box.y + 1; y < box.y + box.height; y += stride) {
+      for (int x = box.x + 1; x < box.x + box.width; x += stride) {
+        if (map.labels.at<int>(y, x) == label) samples_.push_back({{x, y}, view.point(x, y)});
+      }
+    }
+  }
+
+  /// The plane with the most samples; their share is a ninth of its pixels.
+  std::optional<Plane> best(int min_samples) {
+    std::optional<Plane> best;
+    int best_count = min_samples - 1;
+    for (int i = 0; i < options_.iterations && !samples_.empty(); ++i) {
+      const std::optional<Plane> plane = local_plane();
+      if (!plane) continue;
+      const auto count = static_cast<int>(
+          std::count_if(samples_.begin(), samples_.end(),
+                        [&](const Sample& s) { return holds(*plane, s.point); }));
+      if (count > best_count) {
+        best_count = count;
+        best = plane;
+      }
+    }
+    return best;
+  }
+
+  bool holds(const Plane& plane, const Eigen::Vector3f& p) const {
+    const auto thickness = static_cast<float>(options_.thickness_constant +
+                                              options_.thickness_quadratic * p.z() * p.z());
+    return std::abs(plane.normal.dot(p) - plane.distance) < thickness;
+  }
+
+  void forget(const Plane& plane) {
+    std::erase_if(samples_, [&](const Sample& s) { return holds(plane, s.point); });
+  }
+
+ private:
+  struct Sample {
+    cv::Point pixel;
+    Eigen::Vector3f point;
+  };
+
+  /// Plane through three pixels some way apart: near ones are noise, far ones other things.
+  std::optional<Plane> local_plane() {
+    constexpr int reach = 25;  // pixels of the view
+    const Sample& a = samples_[random_() % samples_.size()];
+    const auto offset = [&] { return static_cast<int>(random_() % (2 * reach + 1)) - reach; };
+    Eigen::Vector3f corner[2];
+    for (Eigen::Vector3f& c : corner) {
+      const cv::Point p = a.pixel + cv::Point(offset(), offset());
+      if (!cv::Rect(0, 0, map_.labels.cols, map_.labels.rows).contains(p)) return std::nullopt;
+      if (map_.labels.at<int>(p) != label_) return std::nullopt;
+      c = view_.point(p.x, p.y);
+    }
+    return plane_through(a.point, corner[0], corner[1]);
+  }
+
+  const DepthView& view_;
+  const SegmentMap& map_;
+  int label_;
+  const FlatPatchOptions& options_;
+  std::mt19937_64 random_;
+  std::vector<Sample> samples_;
+};
+
+}  // namespace
+
+cv::Mat find_flat_patches(const DepthView& view, const SegmentMap& map, double focal_length,
+                          const FlatPatchOptions& options, std::uint64_t seed) {
+  cv::Mat out = cv::Mat::zeros(view.depth.size(), CV_8UC1);
+  for (std::size_t i = 0; i < map.segments.size(); ++i) {
+    const Segment& s = map.segments[i];
+    const double z = static_cast<double>(s.mean_depth);
+    const double pixel_side = z * DepthView::step / focal_length;
+    const auto min_pixels = static_cast<int>(options.min_area / (pixel_side * pixel_side));
+    if (z > options.max_depth || s.area < 2 * min_pixels) continue;
+    const int label = static_cast<int>(i) + 1;
+    PatchFinder finder(view, map, label, options, seed + i);
+    constexpr int pixels_per_sample = 9;
+    for (int n = 0; n < options.max_per_segment; ++n) {
+      const auto plane = finder.best(std::max(8, min_pixels / pixels_per_sample));
+      if (!plane) break;
+      cv::Mat patch = cv::Mat::zeros(s.box.size(), CV_8UC1);
+      for (int y = 0; y < s.box.height; ++y) {
+        for (int x = 0; x < s.box.width; ++x) {
+          const cv::Point p = cv::Point(x, y) + s.box.tl();
+          if (map.labels.at<int>(p) != label || !finder.holds(*plane, view.point(p.x, p.y))) continue;
+          patch.at<std::uint8_t>(y, x) = 255;
+        }
+      }
+      // Where a plane cuts through a body it leaves stripes: the opening drops them.
+      cv::Mat core, labels, stats, centroids;
+      const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {7, 7});
+      cv::morphologyEx(patch, core, cv::MORPH_OPEN, square);
+      const int blobs = cv::connectedComponentsWithStats(core, labels, stats, centroids, 8, CV_16U);
+      for (int b = 1; b < blobs; ++b) {
+        if (stats.at<int>(b, cv::CC_STAT_AREA) < min_pixels) continue;
+        cv::Mat blob = labels == b;
+        cv::dilate(blob, blob, cv::getStructuringElement(cv::MORPH_RECT, {5, 5}));
+        out(s.box).setTo(255, blob);
+      }
+      finder.forget(*plane);
+    }
+  }
+  return out;
+}
+
+}  // namespace dkp_slam
