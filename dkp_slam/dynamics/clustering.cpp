@@ -248,6 +248,30 @@ void paint_surfaces(const Scene& scene, const std::vector<Candidate>& candidates
   });
 }
 
+/// Lets the mask grow over crumbs, pixel by pixel.
+void add_crumbs(const Scene& scene, const ClusteringOptions& options, ObjectMask& out) {
+  const SegmentMap& surfaces = scene.surfaces;
+  const auto step = static_cast<float>(options.crumb_step);
+  const cv::Rect inside(0, 0, out.area.width, out.area.height);
+  for (int round = 0; round < options.crumb_reach; ++round) {
+    std::vector<cv::Point> added;
+    for_each_pixel(out.area, [&](int x, int y) {
+      const cv::Point p = cv::Point(x, y) - out.area.tl();
+      const int label = surfaces.labels.at<int>(y, x);
+      if (out.mask.at<std::uint8_t>(p) != 0 || label == 0) return;
+      if (surfaces.segments[static_cast<std::size_t>(label - 1)].area >= options.crumb_area) return;
+      const float z = scene.view.depth.at<float>(y, x);
+      for (const cv::Point& d : {cv::Point(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+        if (!inside.contains(p + d) || out.mask.at<std::uint8_t>(p + d) == 0) continue;
+        if (std::abs(scene.view.depth.at<float>(cv::Point(x, y) + d) - z) > step) continue;
+        added.push_back(p);
+        return;
+      }
+    });
+    for (const cv::Point& p : added) out.mask.at<std::uint8_t>(p) = 255;
+  }
+}
+
 /// T and R of a mask.
 void measure_mask(const DepthView& view, const cv::Rect& inner, ObjectMask& out) {
   double sum = 0.0;
@@ -313,8 +337,8 @@ int mask_overlap(const ObjectMask& a, const ObjectMask& b) {
   return cv::countNonZero(a.mask(common - a.area.tl()) & b.mask(common - b.area.tl()));
 }
 
-Scene make_scene(const DepthView& view, double focal_length, const cv::Mat& covered, const ClusteringOptions& options,
-                 std::uint64_t seed) {
+Scene make_scene(const DepthView& view, double focal_length, const cv::Mat& covered,
+                 const ClusteringOptions& options, std::uint64_t seed) {
   Scene scene;
   scene.view = view;
   if (options.mode == ClusteringMode::paper) return scene;
@@ -390,6 +414,7 @@ ObjectMask cluster_object(const Scene& scene, const cv::Rect2f& box, const Objec
                    cv::getStructuringElement(cv::MORPH_RECT, {side, side}), {-1, -1}, 1,
                    cv::BORDER_REPLICATE);
   if (literal) drop_small_blobs(out.mask, options.min_blob_share);
+  if (!literal) add_crumbs(scene, options, out);
   measure_mask(view, inner, out);
   return out;
 }

@@ -43,6 +43,11 @@ struct ClusteringOptions {
   /// Share of a segment that must lie in the (grown) box to be taken for a part of the object:
   /// what runs on outside is the room or somebody else.
   double inside_share = 0.5;
+  /// Crumbs at the outline, where a body turns away and its depth falls off in steps: surfaces of
+  /// fewer pixels of the view, no more than `crumb_step` metres off the mask beside them, join it.
+  int crumb_area = 60;
+  double crumb_step = 0.06;
+  int crumb_reach = 3;  ///< pixels of the view
 };
 
 /// Silhouette of one object in pixels of the view.
@@ -75,8 +80,8 @@ struct Scene {
 
 /// Builds the scene; planes are fitted where `covered` (CV_8UC1, view size) is 0, which should hold
 /// no person. `focal_length` of the image in pixels.
-Scene make_scene(const DepthView& view, double focal_length, const cv::Mat& covered, const ClusteringOptions& options,
-                 std::uint64_t seed);
+Scene make_scene(const DepthView& view, double focal_length, const cv::Mat& covered,
+                 const ClusteringOptions& options, std::uint64_t seed);
 
 /// Cuts the object in `box` (pixels of the image) out of the depth. Adaptive K-means++ gives the
 /// interval of depth; of the surfaces in it those are kept that lie in the box, large enough, and

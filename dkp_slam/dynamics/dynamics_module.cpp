@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include <opencv2/imgproc.hpp>
+
 #include "dkp_slam/dynamics/depth_view.h"
 #include "dkp_slam/error.h"
 
@@ -244,8 +246,8 @@ cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame,
   if (!people && (!with_motion || movers < options.removal.moving_surface_points)) {
     return labels;
   }
-  Scene scene =
-      make_scene(make_depth_view(frame.depth, rays), camera.fx, covered, options.clustering, frame_seed);
+  Scene scene = make_scene(make_depth_view(frame.depth, rays), camera.fx, covered,
+                           options.clustering, frame_seed);
   if (with_motion) judge_surfaces(points, found, scene);
   std::vector<bool> gone(tracker.objects().size(), false);
   for (std::size_t o = 0; o < gone.size(); ++o) gone[o] = !cut_object(scene, o);
@@ -323,6 +325,11 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   assign_regions(points, regions, labels, s.options.regions, result.features);
   s.measure_epipolar(found, result.features);
   std::vector<FeatureEvidence> evidence(points.size());
+  cv::Mat outline;
+  const int side = 2 * s.options.removal.mask_margin + 1;
+  if (!result.mask.empty()) {
+    cv::dilate(result.mask, outline, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+  }
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto label = value_at<std::uint8_t>(labels, points[i]);
     for (std::size_t o = 0; o < regions.size(); ++o) {
@@ -331,6 +338,7 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
         evidence[i].object_weight = std::max(evidence[i].object_weight, regions[o].weight);
       }
     }
+    evidence[i].at_outline = !outline.empty() && value_at<std::uint8_t>(outline, points[i]) != 0;
     evidence[i].long_residual = found.long_residual[i];
     result.features[i].motion_residual = found.residual[i];
   }

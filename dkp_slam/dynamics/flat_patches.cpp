@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/dynamics/plane.h"
@@ -31,25 +31,36 @@ class PatchFinder {
   /// The plane with the most samples; their share is a ninth of its pixels.
   std::optional<Plane> best(int min_samples) {
     std::optional<Plane> best;
-    int best_count = min_samples - 1;
+    // A start may hold less than the patch before it is refined.
+    int best_count = min_samples / 4;
     for (int i = 0; i < options_.iterations && !samples_.empty(); ++i) {
       const std::optional<Plane> plane = local_plane();
       if (!plane) continue;
-      const auto count = static_cast<int>(
-          std::count_if(samples_.begin(), samples_.end(),
-                        [&](const Sample& s) { return holds(*plane, s.point); }));
-      if (count > best_count) {
-        best_count = count;
-        best = plane;
+      const int count = support(*plane);
+      if (count <= best_count) continue;
+      best_count = count;
+      best = plane;
+      // Three pixels fix a plane near by only: least squares carry it to the patch's far end.
+      for (int step = 0; step < 3; ++step) {
+        const Plane refined = fit_plane(inliers(*best));
+        const int more = support(refined);
+        if (more <= best_count) break;
+        best_count = more;
+        best = refined;
       }
+    }
+    if (best_count < min_samples) return std::nullopt;
+    const double bend = bulge(*best);
+    if (bend > options_.max_bulge) return std::nullopt;
+    if (bend > options_.doubtful_bulge &&
+        support(*best, 2.0F) > options_.max_widening * best_count) {
+      return std::nullopt;
     }
     return best;
   }
 
-  bool holds(const Plane& plane, const Eigen::Vector3f& p) const {
-    const auto thickness = static_cast<float>(options_.thickness_constant +
-                                              options_.thickness_quadratic * p.z() * p.z());
-    return std::abs(plane.normal.dot(p) - plane.distance) < thickness;
+  bool holds(const Plane& plane, const Eigen::Vector3f& p, float factor = 1.0F) const {
+    return std::abs(plane.normal.dot(p) - plane.distance) < factor * half_thickness(p.z());
   }
 
   void forget(const Plane& plane) {
@@ -61,6 +72,49 @@ class PatchFinder {
     cv::Point pixel;
     Eigen::Vector3f point;
   };
+
+  float half_thickness(float z) const {
+    return static_cast<float>(options_.thickness_constant + options_.thickness_quadratic * z * z);
+  }
+
+  /// Curvature of the patch: a paraboloid through the distances from the plane, over pixel
+  /// coordinates that run from -1 to 1 across the patch, in half thicknesses.
+  double bulge(const Plane& plane) const {
+    cv::Point low(map_.labels.cols, map_.labels.rows), high(0, 0);
+    for (const Sample& s : samples_) {
+      if (!holds(plane, s.point)) continue;
+      low = {std::min(low.x, s.pixel.x), std::min(low.y, s.pixel.y)};
+      high = {std::max(high.x, s.pixel.x), std::max(high.y, s.pixel.y)};
+    }
+    using Vector6 = Eigen::Matrix<double, 6, 1>;
+    Eigen::Matrix<double, 6, 6> normal_matrix = Eigen::Matrix<double, 6, 6>::Identity() * 1e-6;
+    Vector6 right = Vector6::Zero();
+    for (const Sample& s : samples_) {
+      if (!holds(plane, s.point)) continue;
+      const double x = (2.0 * s.pixel.x - low.x - high.x) / std::max(1, high.x - low.x);
+      const double y = (2.0 * s.pixel.y - low.y - high.y) / std::max(1, high.y - low.y);
+      const double off = (plane.normal.dot(s.point) - plane.distance) / half_thickness(s.point.z());
+      Vector6 row;
+      row << x * x, x * y, y * y, x, y, 1.0;
+      normal_matrix += row * row.transpose();
+      right += row * off;
+    }
+    return normal_matrix.ldlt().solve(right).head<3>().norm();
+  }
+
+  int support(const Plane& plane, float factor = 1.0F) const {
+    return static_cast<int>(std::count_if(samples_.begin(), samples_.end(), [&](const Sample& s) {
+      return holds(plane, s.point, factor);
+    }));
+  }
+
+  std::vector<Eigen::Vector3f> inliers(const Plane& plane) const {
+    std::vector<Eigen::Vector3f> points;
+    for (const Sample& s : samples_) {
+      if (holds(plane, s.point)) points.push_back(s.point);
+    }
+    return points;
+  }
 
   /// Plane through three pixels some way apart: near ones are noise, far ones other things.
   std::optional<Plane> local_plane() {
@@ -106,7 +160,8 @@ cv::Mat find_flat_patches(const DepthView& view, const SegmentMap& map, double f
       for (int y = 0; y < s.box.height; ++y) {
         for (int x = 0; x < s.box.width; ++x) {
           const cv::Point p = cv::Point(x, y) + s.box.tl();
-          if (map.labels.at<int>(p) != label || !finder.holds(*plane, view.point(p.x, p.y))) continue;
+          if (map.labels.at<int>(p) != label || !finder.holds(*plane, view.point(p.x, p.y)))
+            continue;
           patch.at<std::uint8_t>(y, x) = 255;
         }
       }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <random>
 
@@ -25,27 +25,25 @@ bool on_plane(const Plane& plane, const Eigen::Vector3f& point, const PlaneOptio
 struct FittedPlane {
   Plane plane;
   double extent = 0.0;  ///< metres along its longer axis, taking the points as spread evenly
+  double width = 0.0;   ///< the same across
 };
 
-FittedPlane least_squares(const std::vector<Eigen::Vector3f>& points, const Plane& start,
-                          const PlaneOptions& options) {
+FittedPlane least_squares(const std::vector<Eigen::Vector3f>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
-  double count = 0.0;
   for (const Eigen::Vector3f& p : points) {
-    if (!on_plane(start, p, options)) continue;
     const Eigen::Vector3d q = p.cast<double>();
     mean += q;
     moment += q * q.transpose();
-    count += 1.0;
   }
-  if (count < 3.0) return {start, 0.0};
+  const auto count = static_cast<double>(points.size());
   mean /= count;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moment / count -
                                                               mean * mean.transpose());
   const Eigen::Vector3d normal = solver.eigenvectors().col(0);
   const double extent = std::sqrt(12.0 * std::max(0.0, solver.eigenvalues()[2]));
-  return {{normal.cast<float>(), static_cast<float>(normal.dot(mean))}, extent};
+  const double width = std::sqrt(12.0 * std::max(0.0, solver.eigenvalues()[1]));
+  return {{normal.cast<float>(), static_cast<float>(normal.dot(mean))}, extent, width};
 }
 
 std::vector<Eigen::Vector3f> sample_points(const DepthView& view, const cv::Mat& exclude) {
@@ -71,6 +69,8 @@ std::optional<Plane> plane_through(const Eigen::Vector3f& a, const Eigen::Vector
   if (length < min_area) return std::nullopt;
   return Plane{normal / length, normal.dot(a) / length};
 }
+
+Plane fit_plane(const std::vector<Eigen::Vector3f>& points) { return least_squares(points).plane; }
 
 std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
                               const PlaneOptions& options, std::uint64_t seed) {
@@ -99,9 +99,13 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
       }
     }
     if (best_count < std::max(min_points, needed)) break;
-    const FittedPlane fitted = least_squares(points, best, options);
+    std::vector<Eigen::Vector3f> inliers;
+    std::copy_if(points.begin(), points.end(), std::back_inserter(inliers),
+                 [&](const Eigen::Vector3f& p) { return on_plane(best, p, options); });
+    const FittedPlane fitted = least_squares(inliers);
     best = fitted.plane;
-    if (fitted.extent >= options.min_extent) planes.push_back(best);
+    if (fitted.extent >= options.min_extent && fitted.width >= options.min_width)
+      planes.push_back(best);
     std::erase_if(points, [&](const Eigen::Vector3f& p) { return on_plane(best, p, options); });
   }
   return planes;
@@ -112,6 +116,8 @@ cv::Mat plane_pixels(const DepthView& view, const std::vector<Plane>& planes, co
   cv::Mat out = cv::Mat::zeros(view.depth.size(), CV_8UC1);
   if (planes.empty()) return out;
   const cv::Rect inside = area & cv::Rect(0, 0, out.cols, out.rows);
+  // A plane seen more flatly than this across `reach` pixels is too far off to be anyone's table.
+  constexpr float edge_share = 0.06F;  // of the depth
   constexpr int reach = 3;  // pixels of the view to each side: the slope is taken over 2 * reach
   const auto depth_at = [&](int x, int y) {
     return x < 0 || y < 0 || x >= out.cols || y >= out.rows ? 0.0F : view.depth.at<float>(y, x);
@@ -128,7 +134,10 @@ cv::Mat plane_pixels(const DepthView& view, const std::vector<Plane>& planes, co
         for (const auto& [dx, dy] : std::array<std::pair<int, int>, 2>{{{reach, 0}, {0, reach}}}) {
           const float near_z = depth_at(x - dx, y - dy);
           const float far_z = depth_at(x + dx, y + dy);
-          if (near_z <= 0.0F || far_z <= 0.0F) continue;  // an edge: position alone decides
+          // At an outline one side belongs to something else: position alone decides.
+          const bool known = near_z > 0.0F && far_z > 0.0F;
+          if (!known || std::max(std::abs(near_z - z), std::abs(far_z - z)) > edge_share * z)
+            continue;
           const auto plane_depth = [&](int px, int py) {
             const auto& ray = view.rays.at<cv::Vec2f>(py, px);
             const float n = plane.normal.dot(Eigen::Vector3f(ray[0], ray[1], 1.0F));

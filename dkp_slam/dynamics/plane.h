@@ -23,6 +23,7 @@ struct PlaneOptions {
   /// Length of what is seen of a plane, metres: a monitor is shorter, and its plane goes on in
   /// thought through whoever stands beside it.
   double min_extent = 0.7;
+  double min_width = 0.45;  ///< the same across: somebody's back is narrower
   /// Half thickness, metres, at depth z: constant + quadratic * z^2. A Kinect's noise at the
   /// outline of things and its slow bending of planes, about 3 sigma of Nguyen's formula plus 1 cm.
   double thickness_constant = 0.015;
@@ -37,6 +38,9 @@ struct PlaneOptions {
 /// Plane through three points; nothing when they lie too close to a line.
 std::optional<Plane> plane_through(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                                    const Eigen::Vector3f& c);
+
+/// Plane of least squares through at least three points.
+Plane fit_plane(const std::vector<Eigen::Vector3f>& points);
 
 /// Largest planes of the view by RANSAC and least squares, over pixels where `exclude` (CV_8UC1,
 /// view size, may be empty) is 0. The largest comes first.

@@ -12,6 +12,9 @@ struct RemovalOptions {
   float epsilon = 1.0F;
   /// Classes of this weight and more ("people, animals, motion") are removed without evidence.
   float certain_weight = 8.0F;
+  /// Features this near to a mask go with it, pixels (mode dkp+): corners on an outline move with
+  /// the person, and depth is that ragged there.
+  int mask_margin = 2;
   /// Largest motion residual of a static point, pixels (mode dkp+): LK's noise and the depth's.
   float residual_low = 2.0F;         ///< outside boxes
   float residual_suspicious = 1.0F;  ///< in a box, outside its mask
@@ -35,6 +38,7 @@ struct RemovalOptions {
 struct FeatureEvidence {
   float object_weight = 0.0F;  ///< class weight of its object; 0 in low regions
   float long_residual = std::numeric_limits<float>::quiet_NaN();  ///< pixels, longer baseline
+  bool at_outline = false;  ///< within `mask_margin` of the mask of somebody who moves by himself
   bool proved_static = false;  ///< showed no motion against a longer baseline, frames running
 };
 

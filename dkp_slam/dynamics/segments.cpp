@@ -82,7 +82,7 @@ SegmentMap segment_surfaces(const DepthView& view, const cv::Mat& excluded,
   map.labels = cv::Mat::zeros(view.depth.size(), CV_32SC1);
   LabelSets sets;
   const auto constant = static_cast<float>(options.step_constant);
-  const auto share = static_cast<float>(options.step_share);
+  const auto quadratic = static_cast<float>(options.step_quadratic);
   for (int y = 0; y < view.depth.rows; ++y) {
     const float* depth = view.depth.ptr<float>(y);
     const float* depth_above = y > 0 ? view.depth.ptr<float>(y - 1) : nullptr;
@@ -92,7 +92,7 @@ SegmentMap segment_surfaces(const DepthView& view, const cv::Mat& excluded,
     for (int x = 0; x < view.depth.cols; ++x) {
       const float z = depth[x];
       if (z <= 0.0F || (skip != nullptr && skip[x] != 0)) continue;
-      const float step = constant + share * z;
+      const float step = constant + quadratic * z * z;
       const int left = x > 0 && std::abs(depth[x - 1] - z) < step ? label[x - 1] : 0;
       const int above =
           depth_above != nullptr && std::abs(depth_above[x] - z) < step ? label_above[x] : 0;

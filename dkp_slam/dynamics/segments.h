@@ -10,14 +10,14 @@
 namespace dkp_slam {
 
 struct SegmentOptions {
-  /// Depth step between neighbouring pixels that still belong to one surface: constant (metres)
-  /// and share of the depth. A sleeve in front of a body is one surface, a monitor behind it not.
-  double step_constant = 0.01;
-  double step_share = 0.015;
+  /// Depth step between neighbouring pixels that still belong to one surface, metres at depth z:
+  /// constant + quadratic * z^2, which grows as a Kinect's noise and rounding do.
+  double step_constant = 0.010;
+  double step_quadratic = 0.005;
   /// A surface is flat when its points lie off their best plane by less than this (root mean
   /// square, constant + quadratic * z^2, metres): a monitor or a wall, not a body.
-  double flat_constant = 0.012;
-  double flat_quadratic = 0.0025;
+  double flat_constant = 0.010;
+  double flat_quadratic = 0.0012;
   int flat_area = 300;  ///< pixels of the view: smaller pieces of a body may well be flat
 };
 
