@@ -17,9 +17,9 @@ struct RemovalOptions {
   int mask_margin = 2;
   /// Largest motion residual of a static point, pixels (mode dkp+): LK's noise and the depth's.
   float residual_low = 2.0F;         ///< outside boxes
-  float residual_suspicious = 1.0F;  ///< in a box, outside its mask
+  float residual_suspicious = 1.5F;  ///< in a box, outside its mask
   float residual_object = 1.0F;      ///< on things of middle weight
-  float residual_long = 2.0F;        ///< in boxes, over the longer baseline
+  float residual_long = 2.5F;        ///< in boxes, over the longer baseline
   /// Residuals by which a feature counts as moving or still when surfaces are judged, pixels, from
   /// frame to frame and over the longer baseline. Between them it says nothing.
   float moving_short = 1.5F;
