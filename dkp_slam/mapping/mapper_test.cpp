@@ -38,6 +38,13 @@ struct Mapping : ::testing::Test {
     }
     return frame.reference_keyframe;
   }
+  void insert_two() {
+    for (int k = 0; k < 2; ++k) {
+      Frame frame = tracked_at(pose(0.1 * k, 0.0, 0.0), k);
+      insert(frame);
+    }
+    mapper.finish(false);
+  }
   std::map<int, int> landmark_of_;
 };
 
@@ -188,11 +195,7 @@ TEST_F(Mapping, ASnapshotHoldsItsWindowAndFixesTheRest) {
 }
 
 TEST_F(Mapping, WhatWentMeanwhileIsPassedOver) {
-  Frame first = tracked_at({}, 0);
-  insert(first);
-  Frame second = tracked_at(pose(0.1, 0.0, 0.0), 1);
-  insert(second);
-  mapper.finish(false);
+  insert_two();
   const BundleProblem problem = full_bundle(map, MeasurementModel());
   BundleSolution solution{problem.poses, problem.points,
                           std::vector<char>(problem.sightings.size(), 0), true};
@@ -215,11 +218,7 @@ TEST_F(Mapping, WhatWentMeanwhileIsPassedOver) {
 }
 
 TEST_F(Mapping, TheWorkerSolvesWhatASingleThreadSolves) {
-  Frame first = tracked_at({}, 0);
-  insert(first);
-  Frame second = tracked_at(pose(0.1, 0.0, 0.0), 1);
-  insert(second);
-  mapper.finish(false);
+  insert_two();
   map.keyframe(1).camera_from_world.translation.x() += 0.01;
   const BundleProblem problem = full_bundle(map, MeasurementModel());
   const BundleSolution expected = adjust_bundle(world.camera, MeasurementModel(), problem);
