@@ -15,9 +15,9 @@ bool static_by_motion(const FeatureDynamics& f, const FeatureEvidence& e,
                       const RemovalOptions& options) {
   const bool certain = e.object_weight >= options.certain_weight;
   const bool known = f.tracked && !std::isnan(f.motion_residual);
-  if (e.at_outline) return e.proved_static;
+  if (e.at_outline) return false;
   if (f.region == Region::low) return !known || f.motion_residual < options.residual_low;
-  if (f.region == Region::high && certain) return e.proved_static;
+  if (f.region == Region::high && certain) return false;
   if (e.long_residual >= options.residual_long) return false;  // false for NaN
   if (!certain) return !known || f.motion_residual < options.residual_object;
   return known && f.motion_residual < options.residual_suspicious;

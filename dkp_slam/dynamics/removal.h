@@ -39,7 +39,6 @@ struct FeatureEvidence {
   float object_weight = 0.0F;  ///< class weight of its object; 0 in low regions
   float long_residual = std::numeric_limits<float>::quiet_NaN();  ///< pixels, longer baseline
   bool at_outline = false;  ///< within `mask_margin` of the mask of somebody who moves by himself
-  bool proved_static = false;  ///< showed no motion against a longer baseline, frames running
 };
 
 /// Sets `is_static` of every feature as the mode asks (Algorithm 2 for `dkp`). `evidence` runs
