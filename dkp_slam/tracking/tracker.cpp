@@ -35,6 +35,7 @@ bool Tracker::track(Frame& frame) {
   }
   found = found && track_local_map(frame);
   if (!found && relocalize(map_, model_, frame)) found = track_local_map(frame);
+  if (found && !believable(frame)) found = false;
   if (!found) found = carry_by_motion(frame);
   if (!found) {
     if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);
@@ -110,6 +111,19 @@ bool Tracker::track_by_motion(Frame& frame) {
     return true;
   }
   return false;
+}
+
+bool Tracker::believable(const Frame& frame) const {
+  if (state_ != TrackingState::tracking || motion_time_ <= 0.0) return true;
+  if (tracked_landmarks_ >= options_.least_certain) return true;
+  const Se3 step = frame.camera_from_world * last_.camera_from_world.inverse();
+  const Se3 off = step * predicted_motion(frame).inverse();
+  const double passed = frame.timestamp - last_.timestamp;
+  const double carried = last_.timestamp - map_time_;
+  return off.translation.norm() < options_.most_acceleration * passed * passed +
+                                      options_.carry_drift * carried &&
+         off.angle() < options_.most_angular_acceleration * passed * passed +
+                           options_.carry_angular_drift * carried;
 }
 
 bool Tracker::carry_by_motion(Frame& frame) {
@@ -224,6 +238,8 @@ void Tracker::weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& 
 
 bool Tracker::keyframe_is_due(const Frame& frame) const {
   if (mapper_.adjusting()) return false;
+  const auto room = std::count(frame.is_static.begin(), frame.is_static.end(), 1);
+  if (room < options_.least_keyframe_features) return false;
   if (frame.timestamp - keyframe_time_ >= options_.keyframe_interval) return true;
   const Keyframe& reference = map_.keyframe(frame.reference_keyframe);
   int reference_landmarks = 0;

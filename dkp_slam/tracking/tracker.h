@@ -22,6 +22,9 @@ struct TrackerOptions {
   int least_inliers = 20;       ///< landmarks tracked, below it the frame is lost
   float motion_radius = 12.0F;  ///< pixels on level 0, search window about the predicted place
   int local_keyframes = 40;     ///< that make the local map
+  /// Static features that a keyframe needs: one taken while somebody fills the view adds little and
+  /// is held so loosely that bundle adjustment may throw it a metre off.
+  int least_keyframe_features = 150;
   /// A keyframe is due after this time at the latest...
   double keyframe_interval = 1.0;
   /// ... and as soon as fewer than this share of the reference keyframe's landmarks are tracked.
@@ -33,6 +36,12 @@ struct TrackerOptions {
   /// Constant velocity is assumed no longer than this since the map was last seen, seconds.
   double longest_steady = 0.15;
   int least_for_motion = 40;  ///< landmarks tracked in a frame whose motion is believed
+  /// With fewer landmarks than this, a pose that leaps against those bounds is not believed: a few
+  /// points on somebody who fills the view can agree with one another.
+  int least_certain = 80;
+  /// What carrying may drift, m/s and rad/s: the leap back onto the map is allowed that much more.
+  double carry_drift = 0.15;
+  double carry_angular_drift = 0.3;
   /// Bounds for a measured motion to be believed against constant velocity, m/s^2 and rad/s^2: a
   /// hand-held camera that is shaken stays under 20 and 60.
   double most_acceleration = 20.0;
@@ -74,6 +83,7 @@ class Tracker {
   std::vector<int> local_landmarks(Frame& frame) const;
   void drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const;
   void weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& matches);
+  bool believable(const Frame& frame) const;
   bool carry_by_motion(Frame& frame);
   Se3 predicted_motion(const Frame& frame) const;
   bool keyframe_is_due(const Frame& frame) const;
