@@ -127,6 +127,8 @@ bool Tracker::believable(const Frame& frame) const {
 }
 
 bool Tracker::carry_by_motion(Frame& frame) {
+  // Without a measured motion a pose would be a guess, and a guess is no localisation.
+  if (!frame.current_from_previous || last_.index != frame.index - 1) return false;
   if (state_ != TrackingState::tracking || motion_time_ <= 0.0) return false;
   if (frame.timestamp - map_time_ > options_.longest_carry) return false;
   frame.camera_from_world = predicted_motion(frame) * last_.camera_from_world;
