@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "dkp_slam/geometry/rolling_shutter.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -33,6 +35,40 @@ Eigen::Vector2d vector_of(const cv::Point2f& p) { return {p.x, p.y}; }
 
 }  // namespace
 
+/// The camera's velocity at a step's moment, tangent per second: the mean of the motions into it
+/// and out of it, for the newest step extrapolated from the last two. Zero where none is known.
+Vector6d FeatureMotionEstimator::velocity_at(std::size_t step) const {
+  const auto into = [&](std::size_t k) -> std::optional<Vector6d> {
+    if (k + 1 >= steps_.size() || !steps_[k].previous_from_this) return std::nullopt;
+    const double passed = steps_[k].time - steps_[k + 1].time;
+    if (passed <= 0.0) return std::nullopt;
+    return steps_[k].previous_from_this->inverse().log() / passed;
+  };
+  const std::optional<Vector6d> here = into(step);
+  if (step == 0) {
+    const std::optional<Vector6d> before = into(1);
+    if (here && before) return *here + 0.5 * (*here - *before);
+    return here ? *here : before ? *before : Vector6d::Zero();
+  }
+  const std::optional<Vector6d> next = into(step - 1);
+  if (here && next) return 0.5 * (*here + *next);
+  return here ? *here : next ? *next : Vector6d::Zero();
+}
+
+/// Undistorted pixels of raw ones of a step's image, as at its middle row's moment; their depths
+/// are read from the newest depth image at `depth_from`.
+std::vector<cv::Point2f> FeatureMotionEstimator::straight(
+    const std::vector<cv::Point2f>& raw, const cv::Mat& depth,
+    const std::vector<cv::Point2f>& depth_from, std::size_t step) const {
+  std::vector<cv::Point2f> flat = camera_.undistort(raw);
+  if (camera_.readout <= 0.0) return flat;
+  const Vector6d velocity = velocity_at(step);
+  for (std::size_t i = 0; i < flat.size(); ++i) {
+    flat[i] = at_middle_row(camera_, flat[i], raw[i].y, depth_at(depth, depth_from[i]), velocity);
+  }
+  return flat;
+}
+
 std::vector<cv::Point2f> FeatureMotionEstimator::predict(
     const cv::Mat& depth, const std::vector<cv::Point2f>& points,
     const std::vector<cv::Point2f>& flat) const {
@@ -58,13 +94,13 @@ FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& 
   steps_.push_front({time, std::nullopt});
   while (static_cast<int>(steps_.size()) > options_.flow.history + 1) steps_.pop_back();
   FeatureMotion motion;
-  motion.now = camera_.undistort(points);
+  motion.now = straight(points, depth, points, 0);
   motion.tracks.previous = points;
   motion.tracks.tracked.assign(points.size(), 0);
   if (flow_.earlier_frames() > 0) {
     motion.tracks = flow_.track(points, 1, predict(depth, points, motion.now));
   }
-  motion.then = camera_.undistort(motion.tracks.previous);
+  motion.then = straight(motion.tracks.previous, depth, points, 1);
   motion.residual.assign(points.size(), unknown);
   motion.long_residual.assign(points.size(), unknown);
   return motion;
@@ -86,29 +122,47 @@ double FeatureMotionEstimator::residual_at(const cv::Mat& depth, const cv::Point
                                  far);
 }
 
+/// Motion from the features flagged low, or from all where those are too few.
+std::optional<CameraMotion> FeatureMotionEstimator::camera_motion(
+    const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+    const std::vector<std::uint8_t>& low, const Se3& guess, const MotionOptions& options,
+    std::uint64_t seed, FeatureMotion& motion) const {
+  std::vector<MotionPoint> low_points, all_points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (motion.tracks.tracked[i] == 0) continue;
+    const auto z = static_cast<double>(depth_at(depth, points[i]));
+    if (z <= 0.0) continue;
+    const MotionPoint observed{camera_.unproject(vector_of(motion.now[i]), z),
+                               vector_of(motion.then[i])};
+    all_points.push_back(observed);
+    if (low[i] != 0) low_points.push_back(observed);
+  }
+  motion.from_low_points = static_cast<int>(low_points.size()) >= options_.min_low_points;
+  return estimate_motion(camera_, motion.from_low_points ? low_points : all_points, guess, options,
+                         seed);
+}
+
 void FeatureMotionEstimator::compensate(const cv::Mat& depth,
                                         const std::vector<cv::Point2f>& points,
                                         const std::vector<std::uint8_t>& low, std::uint64_t seed,
                                         FeatureMotion& motion) {
-  std::vector<MotionPoint> observed(points.size()), low_points, all_points;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (motion.tracks.tracked[i] == 0) continue;
-    observed[i].previous = vector_of(motion.then[i]);
-    const float z = depth_at(depth, points[i]);
-    if (z <= 0.0F) continue;
-    observed[i].point = camera_.unproject(vector_of(motion.now[i]), static_cast<double>(z));
-    all_points.push_back(observed[i]);
-    if (low[i] != 0) low_points.push_back(observed[i]);
-  }
   Se3 guess;  // the camera goes on as it moved before
   if (steps_.size() > 1 && steps_[1].previous_from_this) guess = *steps_[1].previous_from_this;
-  const bool enough = static_cast<int>(low_points.size()) >= options_.min_low_points;
-  motion.from_low_points = enough;
-  motion.camera_motion =
-      estimate_motion(camera_, enough ? low_points : all_points, guess, options_.motion, seed);
+  motion.camera_motion = camera_motion(depth, points, low, guess, options_.motion, seed, motion);
   if (!motion.camera_motion) return;
+  steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
+  if (camera_.readout > 0.0) {
+    // The motion tells what the rolling shutter did, and that refines the motion.
+    motion.now = straight(points, depth, points, 0);
+    motion.then = straight(motion.tracks.previous, depth, points, 1);
+    MotionOptions refinement = options_.motion;
+    refinement.iterations = 0;
+    const auto refined = camera_motion(depth, points, low, *steps_.front().previous_from_this,
+                                       refinement, seed, motion);
+    if (refined) motion.camera_motion = refined;
+    steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
+  }
   const Se3& previous_from_this = motion.camera_motion->previous_from_current;
-  steps_.front().previous_from_this = previous_from_this;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (motion.tracks.tracked[i] == 0) continue;
     const cv::Point2f flow = motion.then[i] - motion.now[i];
@@ -150,7 +204,8 @@ void FeatureMotionEstimator::look_back(const cv::Mat& depth, const std::vector<c
   }
   if (from.empty()) return;
   const FlowResult tracks = flow_.track(from, frames_back, guess);
-  const std::vector<cv::Point2f> then = camera_.undistort(tracks.previous);
+  const std::vector<cv::Point2f> then =
+      straight(tracks.previous, depth, from, static_cast<std::size_t>(frames_back));
   for (std::size_t i = 0; i < from.size(); ++i) {
     if (tracks.tracked[i] == 0) continue;
     // The lag is between images of one frame: flow per frame counts, not over the baseline.

@@ -24,15 +24,15 @@ struct FeatureMotionOptions {
   /// either side.
   double depth_lag = 0.6;
   double max_lag_pixels = 8.0;  ///< and no farther than this, or everything has two depths
-  int min_low_points = 30;      ///< fewer outside the boxes: all points give the camera motion
+  int min_low_points = 30;  ///< fewer outside the boxes: all points give the camera motion
 };
 
 /// What flow says about the features of the newest frame. Vectors run parallel to the features.
 struct FeatureMotion {
   FlowResult tracks;                   ///< into the frame before, raw pixels
-  std::vector<cv::Point2f> now, then;  ///< undistorted pixels
+  std::vector<cv::Point2f> now, then;  ///< undistorted pixels, as a global shutter would see them
   std::optional<CameraMotion> camera_motion;
-  bool from_low_points = false;  ///< camera_motion rests on what lies outside the boxes alone
+  bool from_low_points = false;      ///< camera_motion rests on what lies outside the boxes alone
   std::vector<float> residual;       ///< pixels off the static prediction, NaN where unknown
   std::vector<float> long_residual;  ///< the same over the longer baseline
 };
@@ -61,6 +61,15 @@ class FeatureMotionEstimator {
   };
   std::vector<cv::Point2f> predict(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                                    const std::vector<cv::Point2f>& flat) const;
+  std::optional<CameraMotion> camera_motion(const cv::Mat& depth,
+                                            const std::vector<cv::Point2f>& points,
+                                            const std::vector<std::uint8_t>& low, const Se3& guess,
+                                            const MotionOptions& options, std::uint64_t seed,
+                                            FeatureMotion& motion) const;
+  Vector6d velocity_at(std::size_t step) const;
+  std::vector<cv::Point2f> straight(const std::vector<cv::Point2f>& raw, const cv::Mat& depth,
+                                    const std::vector<cv::Point2f>& depth_from,
+                                    std::size_t step) const;
   double residual_at(const cv::Mat& depth, const cv::Point2f& raw, const cv::Point2f& now,
                      const cv::Point2f& then, const cv::Point2f& flow,
                      const Se3& then_from_now) const;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dkp_slam/geometry/rolling_shutter.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -51,6 +53,7 @@ FrameFeatures::FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth_image,
     angle.push_back(k.angle);
   }
   pixel = camera.undistort(raw_pixel);
+  seen_pixel = pixel;
   const bool moved = depth_from_colour.log().norm() > 1e-6;
   for (std::size_t i = 0; i < pixel.size(); ++i) {
     depth.push_back(moved ? carried_depth(depth_image, camera, depth_from_colour, pixel[i], raw_pixel[i])
@@ -62,6 +65,7 @@ FrameFeatures::FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth_image,
 FrameFeatures FrameFeatures::subset(const std::vector<char>& keep) const {
   FrameFeatures out;
   out.pixel = selected(pixel, keep);
+  out.seen_pixel = selected(seen_pixel, keep);
   out.raw_pixel = selected(raw_pixel, keep);
   out.depth = selected(depth, keep);
   out.level = selected(level, keep);
@@ -71,6 +75,13 @@ FrameFeatures FrameFeatures::subset(const std::vector<char>& keep) const {
   out.rows_ = rows_;
   out.build_grid();
   return out;
+}
+
+void FrameFeatures::correct_rolling_shutter(const Camera& camera, const Vector6d& velocity) {
+  for (std::size_t i = 0; i < pixel.size(); ++i) {
+    pixel[i] = at_middle_row(camera, seen_pixel[i], raw_pixel[i].y, depth[i], velocity);
+  }
+  build_grid();
 }
 
 void FrameFeatures::build_grid() {

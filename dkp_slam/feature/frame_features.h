@@ -29,6 +29,10 @@ class FrameFeatures {
 
   int size() const { return static_cast<int>(pixel.size()); }
 
+  /// Moves every pixel to where it would have been seen at the middle row's moment by a camera of
+  /// that velocity (see at_middle_row). Replaces an earlier correction.
+  void correct_rolling_shutter(const Camera& camera, const Vector6d& velocity);
+
   /// Features within `radius` pixels of `centre` in a square, on levels [lowest, highest].
   /// Appended to `out`, which is cleared first.
   void find(const cv::Point2f& centre, float radius, int lowest_level, int highest_level,
@@ -40,7 +44,8 @@ class FrameFeatures {
            camera.fx * camera.baseline / depth[static_cast<std::size_t>(i)];
   }
 
-  std::vector<cv::Point2f> pixel;      ///< undistorted pixels
+  std::vector<cv::Point2f> pixel;      ///< undistorted pixels, corrected for the rolling shutter
+  std::vector<cv::Point2f> seen_pixel; ///< undistorted pixels, not corrected
   std::vector<cv::Point2f> raw_pixel;  ///< as seen through the lens
   std::vector<float> depth;            ///< metres; 0 where unknown
   std::vector<std::uint8_t> level;     ///< pyramid level

@@ -65,6 +65,9 @@ std::optional<std::string> Camera::check() const {
   if (!positive(depth_scale)) return "depth_scale must be above 0";
   if (!positive(baseline)) return "baseline must be above 0";
   if (!positive(frame_rate)) return "frame_rate must be above 0";
+  if (!std::isfinite(readout) || readout < 0.0 || readout > 1.0 / frame_rate) {
+    return "readout must lie between 0 and the time of a frame, 1 / frame_rate";
+  }
   if (!positive(min_depth) || !positive(max_depth) || min_depth >= max_depth) {
     return "min_depth and max_depth must be above 0, in this order";
   }

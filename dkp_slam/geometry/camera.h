@@ -39,6 +39,8 @@ struct Camera {
   double max_depth = 8.0;       ///< metres; farther readings are unknown
   double baseline = 0.075;      ///< metres, of the virtual right camera (a Kinect's projector)
   double frame_rate = 30.0;     ///< colour images per second
+  double readout =
+      0.0;  ///< seconds from the first row's exposure to the last one's; 0: global shutter
   DepthNoise depth_noise;
 
   /// Undistorted pixel of a point in the camera frame (z > 0 is the caller's duty).

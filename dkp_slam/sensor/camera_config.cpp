@@ -117,7 +117,7 @@ Camera load_camera(const std::string& path) {
   const Fields fields(
       path, parse_file(path),
       {"name", "width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale", "min_depth",
-       "max_depth", "baseline", "frame_rate", "depth_noise"});
+       "max_depth", "baseline", "frame_rate", "readout", "depth_noise"});
   for (const std::string& key : required_keys) {
     if (!fields.has(key)) throw Error(fmt::format("{}: {} is missing; add it", path, key));
   }
@@ -135,6 +135,7 @@ Camera load_camera(const std::string& path) {
   fields.get("max_depth", &camera.max_depth);
   fields.get("baseline", &camera.baseline);
   fields.get("frame_rate", &camera.frame_rate);
+  fields.get("readout", &camera.readout);
   if (fields.has("depth_noise")) {
     const Fields noise(path, fields.node("depth_noise"), {"constant", "quadratic"}, "depth_noise.");
     noise.get("constant", &camera.depth_noise.constant);
@@ -171,6 +172,7 @@ void save_camera(const Camera& camera, const std::string& path) {
   line(fmt::format("max_depth: {}", camera.max_depth), "metres; farther readings are unknown");
   line(fmt::format("baseline: {}", camera.baseline), "metres, of the virtual right camera");
   line(fmt::format("frame_rate: {}", camera.frame_rate), "colour images per second");
+  line(fmt::format("readout: {}", camera.readout), "seconds from the first row to the last; 0: all at once");
   text += "depth_noise:\n";
   line(fmt::format("  constant: {}", camera.depth_noise.constant), "metres");
   line(fmt::format("  quadratic: {}", camera.depth_noise.quadratic), "1/metre");

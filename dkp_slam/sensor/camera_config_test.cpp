@@ -52,7 +52,7 @@ std::string with(const std::string& from, const std::string& to) {
 
 TEST(CameraConfig, ReadsAllFields) {
   const Camera camera =
-      load_camera(write(valid + "min_depth: 0.4\nmax_depth: 5\nbaseline: 0.05\nframe_rate: 15\n"
+      load_camera(write(valid + "min_depth: 0.4\nmax_depth: 5\nbaseline: 0.05\nframe_rate: 15\nreadout: 0.03\n"
                                 "depth_noise:\n  constant: 0.002\n  quadratic: 0\n"));
   EXPECT_EQ(camera.name, "test");
   EXPECT_EQ(camera.width, 640);
@@ -71,6 +71,7 @@ TEST(CameraConfig, ReadsAllFields) {
   EXPECT_EQ(camera.max_depth, 5.0);
   EXPECT_EQ(camera.baseline, 0.05);
   EXPECT_EQ(camera.frame_rate, 15.0);
+  EXPECT_EQ(camera.readout, 0.03);
   EXPECT_EQ(camera.depth_noise.constant, 0.002);
   EXPECT_EQ(camera.depth_noise.quadratic, 0.0);
 }
@@ -89,6 +90,7 @@ TEST(CameraConfig, ReadsBackWhatItWrites) {
   camera.name = "a \"quoted\": name # here";
   camera.fx = 1.0 / 3.0 * 1500.0;
   camera.depth_noise.quadratic = 0.00123456789012345;
+  camera.readout = 0.0123;
   const std::string path = write("");
   save_camera(camera, path);
   const Camera back = load_camera(path);
@@ -96,6 +98,7 @@ TEST(CameraConfig, ReadsBackWhatItWrites) {
   EXPECT_EQ(back.fx, camera.fx);
   EXPECT_EQ(back.distortion.p2, camera.distortion.p2);
   EXPECT_EQ(back.depth_scale, camera.depth_scale);
+  EXPECT_EQ(back.readout, camera.readout);
   EXPECT_EQ(back.depth_noise.quadratic, camera.depth_noise.quadratic);
 }
 

@@ -31,11 +31,12 @@ bool Tracker::track(Frame& frame) {
   frame.reference_keyframe = last_.reference_keyframe;
   bool found = false;
   if (state_ == TrackingState::tracking) {
+    correct_shutter(frame, predicted_motion(frame));
     found = track_by_motion(frame) || track_reference_keyframe(frame);
+    if (found) correct_shutter(frame, frame.camera_from_world * last_.camera_from_world.inverse());
   }
   found = found && track_local_map(frame);
   if (!found && relocalize(map_, model_, frame)) found = track_local_map(frame);
-  if (found && !believable(frame)) found = false;
   if (!found) found = carry_by_motion(frame);
   if (!found) {
     if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);
@@ -113,17 +114,13 @@ bool Tracker::track_by_motion(Frame& frame) {
   return false;
 }
 
-bool Tracker::believable(const Frame& frame) const {
-  if (state_ != TrackingState::tracking || motion_time_ <= 0.0) return true;
-  if (tracked_landmarks_ >= options_.least_certain) return true;
-  const Se3 step = frame.camera_from_world * last_.camera_from_world.inverse();
-  const Se3 off = step * predicted_motion(frame).inverse();
+void Tracker::correct_shutter(Frame& frame, const Se3& motion) const {
   const double passed = frame.timestamp - last_.timestamp;
-  const double carried = last_.timestamp - map_time_;
-  return off.translation.norm() < options_.most_acceleration * passed * passed +
-                                      options_.carry_drift * carried &&
-         off.angle() < options_.most_angular_acceleration * passed * passed +
-                           options_.carry_angular_drift * carried;
+  if (map_.camera().readout <= 0.0 || passed <= 0.0) return;
+  Vector6d velocity = motion.log() / passed;
+  // That is the velocity half a frame ago; at the frame's own moment it has changed on.
+  if (motion_time_ > 0.0) velocity += 0.5 * (velocity - motion_.log() / motion_time_);
+  frame.features.correct_rolling_shutter(map_.camera(), velocity);
 }
 
 bool Tracker::carry_by_motion(Frame& frame) {
@@ -239,10 +236,9 @@ void Tracker::weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& 
 }
 
 bool Tracker::keyframe_is_due(const Frame& frame) const {
-  if (mapper_.adjusting()) return false;
   const auto room = std::count(frame.is_static.begin(), frame.is_static.end(), 1);
   if (room < options_.least_keyframe_features) return false;
-  if (frame.timestamp - keyframe_time_ >= options_.keyframe_interval) return true;
+  if (!mapper_.adjusting() && frame.timestamp - keyframe_time_ >= options_.keyframe_interval) return true;
   const Keyframe& reference = map_.keyframe(frame.reference_keyframe);
   int reference_landmarks = 0;
   const std::size_t least_sightings = map_.live_keyframes() <= 2 ? 1 : 2;
@@ -258,6 +254,7 @@ bool Tracker::keyframe_is_due(const Frame& frame) const {
     (frame.landmark[s] >= 0 ? near_tracked : near_free) += 1;
   }
   const bool need_near = near_tracked < 100 && near_free > 70;
+  if (mapper_.adjusting()) return tracked_landmarks_ < options_.urgent_share * reference_landmarks;
   return tracked_landmarks_ < options_.keyframe_share * reference_landmarks || need_near;
 }
 

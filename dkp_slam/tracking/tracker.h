@@ -29,6 +29,8 @@ struct TrackerOptions {
   double keyframe_interval = 1.0;
   /// ... and as soon as fewer than this share of the reference keyframe's landmarks are tracked.
   double keyframe_share = 0.75;
+  /// Under this share it does not wait for the bundle adjustment under way.
+  double urgent_share = 0.5;
   /// A frame in which too few landmarks are found is placed by its measured motion from the frame
   /// before, if that was this long ago at most since the map was last seen, seconds: the time that
   /// somebody takes to walk past the camera. Beyond, drift would pass for localisation.
@@ -36,12 +38,6 @@ struct TrackerOptions {
   /// Constant velocity is assumed no longer than this since the map was last seen, seconds.
   double longest_steady = 0.15;
   int least_for_motion = 40;  ///< landmarks tracked in a frame whose motion is believed
-  /// With fewer landmarks than this, a pose that leaps against those bounds is not believed: a few
-  /// points on somebody who fills the view can agree with one another.
-  int least_certain = 80;
-  /// What carrying may drift, m/s and rad/s: the leap back onto the map is allowed that much more.
-  double carry_drift = 0.15;
-  double carry_angular_drift = 0.3;
   /// Bounds for a measured motion to be believed against constant velocity, m/s^2 and rad/s^2: a
   /// hand-held camera that is shaken stays under 20 and 60.
   double most_acceleration = 20.0;
@@ -83,10 +79,10 @@ class Tracker {
   std::vector<int> local_landmarks(Frame& frame) const;
   void drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const;
   void weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& matches);
-  bool believable(const Frame& frame) const;
   bool carry_by_motion(Frame& frame);
   Se3 predicted_motion(const Frame& frame) const;
   bool keyframe_is_due(const Frame& frame) const;
+  void correct_shutter(Frame& frame, const Se3& motion) const;
   void follow_map_changes();
   void remember(const Frame& frame);
 
