@@ -145,7 +145,10 @@ void BoxTracker::drop_duplicates() {
       const Tracked& other = objects_[j];
       // Of two carried ones the older stays.
       const bool stronger = !other.object.compensated || other.object.id < t.object.id;
-      gone[i] = j != i && !gone[j] && stronger && 2 * mask_overlap(t.mask, other.mask) > area;
+      // A mask reaches out of its box over whoever stands beside: that one is not the same.
+      const bool same_place = 2.0F * (other.object.box & t.object.box).area() > t.object.box.area();
+      gone[i] = j != i && !gone[j] && stronger && same_place &&
+                2 * mask_overlap(t.mask, other.mask) > area;
     }
   }
   remove(gone);

@@ -337,15 +337,14 @@ int mask_overlap(const ObjectMask& a, const ObjectMask& b) {
   return cv::countNonZero(a.mask(common - a.area.tl()) & b.mask(common - b.area.tl()));
 }
 
-Scene make_scene(const DepthView& view, double focal_length, const cv::Mat& covered,
+Scene make_scene(const DepthView& view, double focal_length, const std::vector<Plane>& planes,
                  const ClusteringOptions& options, std::uint64_t seed) {
   Scene scene;
   scene.view = view;
   if (options.mode == ClusteringMode::paper) return scene;
   if (options.remove_planes) {
     const cv::Rect whole(0, 0, view.depth.cols, view.depth.rows);
-    scene.planes =
-        plane_pixels(view, fit_planes(view, covered, options.planes, seed), whole, options.planes);
+    scene.planes = plane_pixels(view, planes, whole, options.planes);
   }
   scene.surfaces = segment_surfaces(view, scene.planes, options.segments);
   if (!options.remove_planes) return scene;

@@ -78,9 +78,8 @@ struct Scene {
   SegmentMap surfaces;  ///< of what lies off the planes
 };
 
-/// Builds the scene; planes are fitted where `covered` (CV_8UC1, view size) is 0, which should hold
-/// no person. `focal_length` of the image in pixels.
-Scene make_scene(const DepthView& view, double focal_length, const cv::Mat& covered,
+/// Builds the scene; `planes` are those of the room. `focal_length` of the image in pixels.
+Scene make_scene(const DepthView& view, double focal_length, const std::vector<Plane>& planes,
                  const ClusteringOptions& options, std::uint64_t seed);
 
 /// Cuts the object in `box` (pixels of the image) out of the depth. Adaptive K-means++ gives the

@@ -52,7 +52,7 @@ class Room {
     const DepthView view = make_depth_view(depth_, depth_view_rays(camera_));
     cv::Mat covered = cv::Mat::zeros(view.depth.size(), CV_8UC1);
     covered(view_rect(box, covered.size())) = 255;
-    return make_scene(view, camera_.fx, covered, options, 1);
+    return make_scene(view, camera_.fx, fit_planes(view, covered, options.planes, 1), options, 1);
   }
   double iou(const ObjectMask& mask) const {
     cv::Mat labels = cv::Mat::zeros(480, 640, CV_8UC1);
@@ -155,7 +155,7 @@ TEST(Clustering, NothingInAnEmptyOrUnknownBox) {
   EXPECT_TRUE(room.cut({-50, -50, 20, 20}).empty());
   const DepthView view =
       make_depth_view(cv::Mat::zeros(480, 640, CV_32FC1), depth_view_rays(test_camera()));
-  const Scene scene = make_scene(view, 525.0, cv::Mat::zeros(view.depth.size(), CV_8UC1), {}, 1);
+  const Scene scene = make_scene(view, 525.0, fit_planes(view, {}, {}, 1), {}, 1);
   EXPECT_TRUE(cluster_object(scene, {100, 100, 200, 200}, {}, {}, 1).empty());
 }
 

@@ -50,13 +50,15 @@ struct DynamicsModule::State {
         options(o),
         rays(depth_view_rays(c)),
         motion(c, o.motion),
-        tracker(o.compensation) {}
+        tracker(o.compensation),
+        room(o.room, o.clustering.planes) {}
 
   Camera camera;
   DynamicsOptions options;
   cv::Mat rays;
   FeatureMotionEstimator motion;
   BoxTracker tracker;
+  RoomPlanes room;
   cv::Mat previous_labels;  // CV_8UC1: i + 1 in the mask of the tracker's object i, earlier frame
   /// A surface outside all objects that moves, and since when.
   struct Suspect {
@@ -72,10 +74,12 @@ struct DynamicsModule::State {
   std::vector<std::optional<cv::Point2f>> object_flow(const std::vector<cv::Point2f>& points,
                                                       const FlowResult& tracks) const;
   std::vector<std::uint8_t> outside_boxes(const std::vector<cv::Point2f>& points) const;
+  void add_room_points(const DepthView& view, const std::vector<cv::Point2f>& points,
+                       std::vector<std::uint8_t>& low);
   void judge_surfaces(const std::vector<cv::Point2f>& points, const FeatureMotion& found,
                       Scene& scene) const;
-  cv::Mat cut_masks(const RgbdFrame& frame, const std::vector<cv::Point2f>& points,
-                    const FeatureMotion& found);
+  cv::Mat cut_masks(const RgbdFrame& frame, const DepthView& view,
+                    const std::vector<cv::Point2f>& points, const FeatureMotion& found);
   bool cut_object(const Scene& scene, std::size_t index);
   cv::Mat people_cover() const;
   void add_moving_surfaces(const Scene& scene, double now);
@@ -133,6 +137,22 @@ std::vector<std::uint8_t> DynamicsModule::State::outside_boxes(
     }
   }
   return outside;
+}
+
+/// Where boxes leave too few points for the camera's motion: those in boxes that lie on a plane of
+/// the room, as far as the camera's earlier motion tells where it is now.
+void DynamicsModule::State::add_room_points(const DepthView& view,
+                                            const std::vector<cv::Point2f>& points,
+                                            std::vector<std::uint8_t>& low) {
+  if (std::count(low.begin(), low.end(), 1) >= options.removal.enough_outside) return;
+  const std::vector<Plane> planes = room.planes();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const cv::Point at(std::clamp(cvRound(points[i].x) / DepthView::step, 0, view.depth.cols - 1),
+                       std::clamp(cvRound(points[i].y) / DepthView::step, 0, view.depth.rows - 1));
+    for (const Plane& plane : planes) {
+      if (low[i] == 0 && runs_along(view, plane, at.x, at.y, options.clustering.planes)) low[i] = 1;
+    }
+  }
 }
 
 /// Counts moving and still features on every surface.
@@ -233,7 +253,7 @@ cv::Mat DynamicsModule::State::people_cover() const {
 }
 
 /// Cuts every object's mask; returns the labels, CV_8UC1 of the image's size.
-cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame,
+cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame, const DepthView& view,
                                          const std::vector<cv::Point2f>& points,
                                          const FeatureMotion& found) {
   cv::Mat labels = cv::Mat::zeros(frame.depth.size(), CV_8UC1);
@@ -246,8 +266,9 @@ cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame,
   if (!people && (!with_motion || movers < options.removal.moving_surface_points)) {
     return labels;
   }
-  Scene scene = make_scene(make_depth_view(frame.depth, rays), camera.fx, covered,
-                           options.clustering, frame_seed);
+  room.update(view, fit_planes(view, covered, options.clustering.planes, frame_seed),
+              frame.timestamp);
+  Scene scene = make_scene(view, camera.fx, room.planes(), options.clustering, frame_seed);
   if (with_motion) judge_surfaces(points, found, scene);
   std::vector<bool> gone(tracker.objects().size(), false);
   for (std::size_t o = 0; o < gone.size(); ++o) gone[o] = !cut_object(scene, o);
@@ -300,11 +321,15 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   cv::KeyPoint::convert(keypoints, points);
   FeatureMotion found = s.motion.track(grey, frame.depth, points, frame.timestamp);
   s.tracker.update(frame.timestamp, size, detections, s.object_flow(points, found.tracks));
-  std::vector<std::uint8_t> low = s.outside_boxes(points);
+  const DepthView view = make_depth_view(frame.depth, s.rays);
   if (s.options.mode == DynamicsMode::dkp_plus) {
-    s.motion.compensate(frame.depth, points, low, s.frame_seed, found);
-    std::vector<std::uint8_t> doubtful(points.size());
+    std::vector<std::uint8_t> low = s.outside_boxes(points), doubtful(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) doubtful[i] = low[i] == 0 ? 1 : 0;
+    const Se3 expected = s.motion.current_from_previous();
+    s.room.move(expected);
+    s.add_room_points(view, points, low);
+    s.motion.compensate(frame.depth, points, low, s.frame_seed, found);
+    s.room.move(s.motion.current_from_previous() * expected.inverse());
     if (found.camera_motion && found.from_low_points) {
       result.current_from_previous = found.camera_motion->previous_from_current.inverse();
     }
@@ -312,7 +337,7 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   }
   result.removal_ms += watch.lap();
 
-  const cv::Mat labels = s.cut_masks(frame, points, found);
+  const cv::Mat labels = s.cut_masks(frame, view, points, found);
   s.previous_labels = labels;
   std::vector<ObjectRegions> regions;
   for (const auto& t : s.tracker.objects()) {

@@ -14,6 +14,7 @@
 #include "dkp_slam/dynamics/frame_dynamics.h"
 #include "dkp_slam/dynamics/regions.h"
 #include "dkp_slam/dynamics/removal.h"
+#include "dkp_slam/dynamics/room_planes.h"
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/sensor/rgbd_frame.h"
 
@@ -22,6 +23,7 @@ namespace dkp_slam {
 struct DynamicsOptions {
   DynamicsMode mode = DynamicsMode::dkp_plus;
   ClusteringOptions clustering;
+  RoomPlanesOptions room;
   BoxTrackerOptions compensation;
   FeatureMotionOptions motion;
   EpipolarOptions epipolar;

@@ -122,6 +122,13 @@ double FeatureMotionEstimator::residual_at(const cv::Mat& depth, const cv::Point
                                  far);
 }
 
+Se3 FeatureMotionEstimator::current_from_previous() const {
+  for (std::size_t k = 0; k < 2 && k < steps_.size(); ++k) {
+    if (steps_[k].previous_from_this) return steps_[k].previous_from_this->inverse();
+  }
+  return {};
+}
+
 /// Motion from the features flagged low, or from all where those are too few.
 std::optional<CameraMotion> FeatureMotionEstimator::camera_motion(
     const cv::Mat& depth, const std::vector<cv::Point2f>& points,

@@ -47,6 +47,9 @@ class FeatureMotionEstimator {
   /// Starts where the camera's last motion would take them, were they static.
   FeatureMotion track(const cv::Mat& grey, const cv::Mat& depth,
                       const std::vector<cv::Point2f>& points, double time);
+  /// The camera's motion into the newest frame from the one before, as far as it is known: measured,
+  /// else that of the frame before, else none.
+  Se3 current_from_previous() const;
   /// Fills camera_motion from the features flagged low, and `residual`.
   void compensate(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                   const std::vector<std::uint8_t>& low, std::uint64_t seed, FeatureMotion& motion);

@@ -16,12 +16,6 @@ float half_thickness(float z, const PlaneOptions& options) {
   return static_cast<float>(options.thickness_constant + options.thickness_quadratic * z * z);
 }
 
-bool on_plane(const Plane& plane, const Eigen::Vector3f& point, const PlaneOptions& options,
-              float margin = 0.0F) {
-  return std::abs(plane.normal.dot(point) - plane.distance) <
-         half_thickness(point.z(), options) + margin;
-}
-
 struct FittedPlane {
   Plane plane;
   double extent = 0.0;  ///< metres along its longer axis, taking the points as spread evenly
@@ -61,6 +55,12 @@ std::vector<Eigen::Vector3f> sample_points(const DepthView& view, const cv::Mat&
 
 }  // namespace
 
+bool lies_on(const Plane& plane, const Eigen::Vector3f& point, const PlaneOptions& options,
+             float margin) {
+  return std::abs(plane.normal.dot(point) - plane.distance) <
+         half_thickness(point.z(), options) + margin;
+}
+
 std::optional<Plane> plane_through(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                                    const Eigen::Vector3f& c) {
   const Eigen::Vector3f normal = (b - a).cross(c - a);
@@ -92,7 +92,7 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
       if (!plane) continue;
       const auto count = static_cast<int>(
           std::count_if(points.begin(), points.end(),
-                        [&](const Eigen::Vector3f& p) { return on_plane(*plane, p, options); }));
+                        [&](const Eigen::Vector3f& p) { return lies_on(*plane, p, options); }));
       if (count > best_count) {
         best_count = count;
         best = *plane;
@@ -101,63 +101,65 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
     if (best_count < std::max(min_points, needed)) break;
     std::vector<Eigen::Vector3f> inliers;
     std::copy_if(points.begin(), points.end(), std::back_inserter(inliers),
-                 [&](const Eigen::Vector3f& p) { return on_plane(best, p, options); });
+                 [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });
     const FittedPlane fitted = least_squares(inliers);
     best = fitted.plane;
     if (fitted.extent >= options.min_extent && fitted.width >= options.min_width)
       planes.push_back(best);
-    std::erase_if(points, [&](const Eigen::Vector3f& p) { return on_plane(best, p, options); });
+    std::erase_if(points, [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });
   }
   return planes;
+}
+
+bool runs_along(const DepthView& view, const Plane& plane, int x, int y,
+                const PlaneOptions& options) {
+  const float z = view.depth.at<float>(y, x);
+  if (z <= 0.0F) return false;
+  if (!lies_on(plane, view.point(x, y), options, static_cast<float>(options.removal_margin))) {
+    return false;
+  }
+  // A plane seen more flatly than this across `reach` pixels is too far off to be anyone's table.
+  constexpr float edge_share = 0.06F;  // of the depth
+  constexpr int reach = 3;  // pixels of the view to each side: the slope is taken over 2 * reach
+  const auto depth_at = [&](int px, int py) {
+    const bool inside = px >= 0 && py >= 0 && px < view.depth.cols && py < view.depth.rows;
+    return inside ? view.depth.at<float>(py, px) : 0.0F;
+  };
+  const auto plane_depth = [&](int px, int py) {
+    const auto& ray = view.rays.at<cv::Vec2f>(py, px);
+    const float n = plane.normal.dot(Eigen::Vector3f(ray[0], ray[1], 1.0F));
+    return std::abs(n) < 1e-4F ? 1e4F : plane.distance / n;
+  };
+  // Depth of the plane along the rays at both ends of a small cross, against what is there.
+  for (const auto& [dx, dy] : std::array<std::pair<int, int>, 2>{{{reach, 0}, {0, reach}}}) {
+    const float near_z = depth_at(x - dx, y - dy);
+    const float far_z = depth_at(x + dx, y + dy);
+    // At an outline one side belongs to something else: position alone decides.
+    if (near_z <= 0.0F || far_z <= 0.0F) continue;
+    if (std::max(std::abs(near_z - z), std::abs(far_z - z)) > edge_share * z) continue;
+    const float rise =
+        (far_z - near_z) - (plane_depth(x + dx, y + dy) - plane_depth(x - dx, y - dy));
+    const auto& r0 = view.rays.at<cv::Vec2f>(y - dy, x - dx);
+    const auto& r1 = view.rays.at<cv::Vec2f>(y + dy, x + dx);
+    const float run = z * (std::abs(r1[0] - r0[0]) + std::abs(r1[1] - r0[1]));
+    // Two readings' noise on top of the slope.
+    const float allowed =
+        static_cast<float>(options.slope_error) * run + 0.5F * half_thickness(z, options);
+    if (std::abs(rise) >= allowed) return false;
+  }
+  return true;
 }
 
 cv::Mat plane_pixels(const DepthView& view, const std::vector<Plane>& planes, const cv::Rect& area,
                      const PlaneOptions& options) {
   cv::Mat out = cv::Mat::zeros(view.depth.size(), CV_8UC1);
-  if (planes.empty()) return out;
   const cv::Rect inside = area & cv::Rect(0, 0, out.cols, out.rows);
-  // A plane seen more flatly than this across `reach` pixels is too far off to be anyone's table.
-  constexpr float edge_share = 0.06F;  // of the depth
-  constexpr int reach = 3;  // pixels of the view to each side: the slope is taken over 2 * reach
-  const auto depth_at = [&](int x, int y) {
-    return x < 0 || y < 0 || x >= out.cols || y >= out.rows ? 0.0F : view.depth.at<float>(y, x);
-  };
   for (int y = inside.y; y < inside.y + inside.height; ++y) {
     for (int x = inside.x; x < inside.x + inside.width; ++x) {
-      const float z = view.depth.at<float>(y, x);
-      if (z <= 0.0F) continue;
-      const Eigen::Vector3f point = view.point(x, y);
-      for (const Plane& plane : planes) {
-        if (!on_plane(plane, point, options, static_cast<float>(options.removal_margin))) continue;
-        // Depth of the plane along the rays at both ends of a small cross, against what is there.
-        bool along = true;
-        for (const auto& [dx, dy] : std::array<std::pair<int, int>, 2>{{{reach, 0}, {0, reach}}}) {
-          const float near_z = depth_at(x - dx, y - dy);
-          const float far_z = depth_at(x + dx, y + dy);
-          // At an outline one side belongs to something else: position alone decides.
-          const bool known = near_z > 0.0F && far_z > 0.0F;
-          if (!known || std::max(std::abs(near_z - z), std::abs(far_z - z)) > edge_share * z)
-            continue;
-          const auto plane_depth = [&](int px, int py) {
-            const auto& ray = view.rays.at<cv::Vec2f>(py, px);
-            const float n = plane.normal.dot(Eigen::Vector3f(ray[0], ray[1], 1.0F));
-            return std::abs(n) < 1e-4F ? 1e4F : plane.distance / n;
-          };
-          const float rise =
-              (far_z - near_z) - (plane_depth(x + dx, y + dy) - plane_depth(x - dx, y - dy));
-          const auto& r0 = view.rays.at<cv::Vec2f>(y - dy, x - dx);
-          const auto& r1 = view.rays.at<cv::Vec2f>(y + dy, x + dx);
-          const float run = z * (std::abs(r1[0] - r0[0]) + std::abs(r1[1] - r0[1]));
-          // Two readings' noise on top of the slope.
-          const float allowed =
-              static_cast<float>(options.slope_error) * run + 0.5F * half_thickness(z, options);
-          along = along && std::abs(rise) < allowed;
-        }
-        if (along) {
-          out.at<std::uint8_t>(y, x) = 255;
-          break;
-        }
-      }
+      const bool on = std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+        return runs_along(view, plane, x, y, options);
+      });
+      if (on) out.at<std::uint8_t>(y, x) = 255;
     }
   }
   return out;

@@ -47,6 +47,14 @@ Plane fit_plane(const std::vector<Eigen::Vector3f>& points);
 std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
                               const PlaneOptions& options, std::uint64_t seed);
 
+/// Within the plane's half thickness and `margin` metres.
+bool lies_on(const Plane& plane, const Eigen::Vector3f& point, const PlaneOptions& options,
+             float margin = 0.0F);
+
+/// Whether the view's surface lies on the plane at a pixel of the view and runs along it.
+bool runs_along(const DepthView& view, const Plane& plane, int x, int y,
+                const PlaneOptions& options);
+
 /// 255 where the view's surface lies on one of the planes and runs along it: a person who stands
 /// in the floor's or table's extension crosses it, but does not run along it. CV_8UC1, computed
 /// within `area` only (0 elsewhere).

@@ -27,6 +27,9 @@ struct RemovalOptions {
   float still_long = 1.2F;
   float noise_factor =
       4.0F;  ///< but moving only above so many sigma of the static points' residuals
+  /// Features outside boxes from which the camera's motion is measured; with fewer, what lies on
+  /// the room's planes in boxes helps.
+  int enough_outside = 150;
   /// A surface outside all boxes that is proved to move becomes an object by itself when it takes
   /// at least this share of the image; smaller ones lose their points one by one.
   double moving_surface_share = 0.01;
