@@ -6,8 +6,7 @@ namespace dkp_slam {
 
 void BackwardFlow::push(const cv::Mat& grey) {
   std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(grey, pyramid, {options_.window, options_.window}, options_.levels,
-                              true);
+  cv::buildOpticalFlowPyramid(grey, pyramid, window(), options_.levels, true);
   pyramids_.push_front(std::move(pyramid));
   while (static_cast<int>(pyramids_.size()) > options_.history + 1) pyramids_.pop_back();
 }
@@ -20,7 +19,6 @@ FlowResult BackwardFlow::track(const std::vector<cv::Point2f>& points, int frame
   if (points.empty()) return result;
   const auto& now = pyramids_.front();
   const auto& then = pyramids_.at(static_cast<std::size_t>(frames_back));
-  const cv::Size window(options_.window, options_.window);
   const cv::TermCriteria stop(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, options_.iterations,
                               options_.epsilon);
   // The way back starts where it should end: a true match stays there, a wrong one drifts off, and
@@ -29,8 +27,8 @@ FlowResult BackwardFlow::track(const std::vector<cv::Point2f>& points, int frame
   std::vector<cv::Point2f> back = points;
   std::vector<std::uint8_t> found_back;
   cv::calcOpticalFlowPyrLK(now, then, points, result.previous, result.tracked, cv::noArray(),
-                           window, options_.levels, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
-  cv::calcOpticalFlowPyrLK(then, now, result.previous, back, found_back, cv::noArray(), window,
+                           window(), options_.levels, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
+  cv::calcOpticalFlowPyrLK(then, now, result.previous, back, found_back, cv::noArray(), window(),
                            back_level, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
   const cv::Rect2f image(0.0F, 0.0F, static_cast<float>(then[0].cols),
                          static_cast<float>(then[0].rows));

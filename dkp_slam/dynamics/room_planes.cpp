@@ -27,7 +27,10 @@ void RoomPlanes::move(const Se3& current_from_previous) {
 
 std::vector<Plane> RoomPlanes::planes() const {
   std::vector<Plane> out;
-  for (const Known& k : known_) out.push_back(k.plane);
+  for (const Known& k : known_) {
+    const bool proved = k.last_found - k.first_found >= options_.proof;
+    if (proved || k.last_found >= time_) out.push_back(k.plane);
+  }
   return out;
 }
 
@@ -50,14 +53,23 @@ bool RoomPlanes::adapt(const DepthView& view, Plane& plane) const {
 }
 
 void RoomPlanes::update(const DepthView& view, const std::vector<Plane>& found, double time) {
-  std::erase_if(known_, [&](const Known& k) {
-    return time - k.found > options_.memory ||
-           std::any_of(found.begin(), found.end(), [&](const Plane& p) {
-             return alike(k.plane, p, options_.same_turn, options_.same_shift);
-           });
-  });
-  std::erase_if(known_, [&](Known& k) { return !adapt(view, k.plane); });
-  for (const Plane& p : found) known_.push_back({p, time});
+  time_ = time;
+  std::vector<Known> now;
+  for (const Plane& p : found) {
+    Known fresh{p, time, time};
+    for (const Known& k : known_) {
+      if (!alike(k.plane, p, options_.same_turn, options_.same_shift)) continue;
+      fresh.first_found = std::min(fresh.first_found, k.first_found);
+    }
+    now.push_back(fresh);
+  }
+  for (Known& k : known_) {
+    const bool again = std::any_of(found.begin(), found.end(), [&](const Plane& p) {
+      return alike(k.plane, p, options_.same_turn, options_.same_shift);
+    });
+    if (!again && time - k.last_found <= options_.memory && adapt(view, k.plane)) now.push_back(k);
+  }
+  known_ = std::move(now);
 }
 
 }  // namespace dkp_slam

@@ -12,6 +12,9 @@ struct RoomPlanesOptions {
   /// Seconds that a plane is remembered after it was last found anew: the time that somebody takes
   /// to walk past the camera.
   double memory = 2.0;
+  /// Seconds over which a plane must have been found in its place to be remembered at all:
+  /// somebody's back is flat for some frames, but does not stay.
+  double proof = 0.5;
   /// A remembered plane stays while this share of the view's depth lies on it...
   double min_support = 0.01;
   /// ... and is fitted anew to what does, as long as that turns and shifts it by less than this.
@@ -31,7 +34,7 @@ class RoomPlanes {
 
   /// Takes the remembered planes along with the camera. To be called once for every frame.
   void move(const Se3& current_from_previous);
-  /// The remembered planes, camera frame.
+  /// The planes found in the last frame and the remembered ones, camera frame.
   std::vector<Plane> planes() const;
   /// Takes the planes that were found in a frame, drops those that are forgotten or not seen in the
   /// view, and adapts the others to it. `time` in seconds.
@@ -40,13 +43,14 @@ class RoomPlanes {
  private:
   struct Known {
     Plane plane;
-    double found = 0.0;
+    double first_found = 0.0, last_found = 0.0;  ///< seconds
   };
   bool adapt(const DepthView& view, Plane& plane) const;
 
   RoomPlanesOptions options_;
   PlaneOptions plane_options_;
   std::vector<Known> known_;
+  double time_ = 0.0;  ///< of the last frame, seconds
 };
 
 }  // namespace dkp_slam

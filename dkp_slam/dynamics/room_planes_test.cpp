@@ -30,9 +30,16 @@ DepthView view_of_table(int to_column, float below = table_height) {
   return make_depth_view(depth, depth_view_rays(camera));
 }
 
-TEST(RoomPlanes, GoAlongWithTheCamera) {
+/// Has found the table for long enough, at last at time 0.
+RoomPlanes room_with_table() {
   RoomPlanes room({}, {});
+  room.update(view_of_table(640), {table()}, -1.0);
   room.update(view_of_table(640), {table()}, 0.0);
+  return room;
+}
+
+TEST(RoomPlanes, GoAlongWithTheCamera) {
+  RoomPlanes room = room_with_table();
   // The camera rises by 10 cm: what was 60 cm below is 70 cm below.
   Se3 motion;
   motion.translation = {0.0, 0.1, 0.0};
@@ -50,8 +57,7 @@ TEST(RoomPlanes, GoAlongWithTheCamera) {
 TEST(RoomPlanes, AreRememberedWhileSomebodyHidesMostOfThem) {
   const DepthView corner = view_of_table(100);
   EXPECT_TRUE(fit_planes(corner, {}, {}, 1).size() <= 1U);  // the wall alone
-  RoomPlanes room({}, {});
-  room.update(view_of_table(640), {table()}, 0.0);
+  RoomPlanes room = room_with_table();
   room.update(corner, {}, 1.0);
   ASSERT_EQ(room.planes().size(), 1U);
   EXPECT_TRUE(runs_along(corner, room.planes()[0], 20, 200, {}));
@@ -59,20 +65,30 @@ TEST(RoomPlanes, AreRememberedWhileSomebodyHidesMostOfThem) {
 }
 
 TEST(RoomPlanes, AreForgottenWhenNotSeenOrNotFoundForLong) {
-  RoomPlanes room({}, {});
-  room.update(view_of_table(640), {table()}, 0.0);
+  RoomPlanes room = room_with_table();
   room.update(view_of_table(0), {}, 0.1);  // the wall is all there is
   EXPECT_TRUE(room.planes().empty());
-  room.update(view_of_table(640), {table()}, 1.0);
-  room.update(view_of_table(640), {}, 2.9);
+  room = room_with_table();
+  room.update(view_of_table(640), {}, 1.9);
   EXPECT_EQ(room.planes().size(), 1U);
-  room.update(view_of_table(640), {}, 3.1);
+  room.update(view_of_table(640), {}, 2.1);
   EXPECT_TRUE(room.planes().empty());
 }
 
-TEST(RoomPlanes, TakeTheNewerOfTwoThatAreOne) {
+TEST(RoomPlanes, WhatWasFlatForAMomentIsNotRemembered) {
   RoomPlanes room({}, {});
   room.update(view_of_table(640), {table()}, 0.0);
+  EXPECT_EQ(room.planes().size(), 1U);
+  room.update(view_of_table(640), {table()}, 0.4);
+  room.update(view_of_table(640), {}, 0.5);
+  EXPECT_TRUE(room.planes().empty());
+  room.update(view_of_table(640), {table()}, 0.6);  // the third time, in the same place
+  room.update(view_of_table(640), {}, 0.7);
+  EXPECT_EQ(room.planes().size(), 1U);
+}
+
+TEST(RoomPlanes, TakeTheNewerOfTwoThatAreOne) {
+  RoomPlanes room = room_with_table();
   const Plane again{-Eigen::Vector3f::UnitY(), -0.61F};  // the normal's sign means nothing
   room.update(view_of_table(640), {again}, 0.1);
   ASSERT_EQ(room.planes().size(), 1U);
@@ -80,8 +96,7 @@ TEST(RoomPlanes, TakeTheNewerOfTwoThatAreOne) {
 }
 
 TEST(RoomPlanes, AdaptToWhatIsSeen) {
-  RoomPlanes room({}, {});
-  room.update(view_of_table(640), {table()}, 0.0);
+  RoomPlanes room = room_with_table();
   room.update(view_of_table(200, 0.61F), {}, 0.1);  // a centimetre off, as after a poor motion
   ASSERT_EQ(room.planes().size(), 1U);
   EXPECT_NEAR(std::abs(room.planes()[0].distance), 0.61, 0.002);
