@@ -13,8 +13,9 @@
 #include "apps/commands.h"
 #include "apps/progress.h"
 #include "apps/run_options.h"
-#include "apps/run_report.h"
 #include "apps/run_overlay.h"
+#include "apps/run_report.h"
+#include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
@@ -55,6 +56,9 @@ std::unique_ptr<Detector> choose_detector(RunOptions& options, const Camera& cam
     return nullptr;
   }
   if (!options.classes.empty()) detector.yolox.classes = ClassTable::load(options.classes);
+  if (!options.detections.empty()) {
+    return open_recorded_detections(options.detections, detector.yolox.classes);
+  }
   if (detector.kind != DetectorKind::motion) {
     if (const auto model = find_model(detector.yolox.model)) {
       detector.kind = DetectorKind::yolox;
@@ -71,6 +75,7 @@ nlohmann::ordered_json describe(const RunOptions& options) {
   json["camera"] = options.camera;
   json["mode"] = mode_name(options.mode);
   json["model"] = yolox ? options.detector.yolox.model.string() : "";
+  json["detections"] = options.detections.string();
   json["classes"] = options.classes.string();
   json["provider"] = yolox ? options.detector.yolox.provider : "";
   json["seed"] = options.seed;
@@ -90,6 +95,7 @@ RunTotals play(FrontEnd& front_end, Slam& slam, OverlayWriter* overlay,
       if (!prepared) break;
       FrameDynamics dynamics;
       totals.frames.push_back(slam.track(*prepared, &dynamics));
+      totals.detections += recorded_lines(prepared->frame.timestamp, prepared->detections);
       if (overlay && overlay->wants(prepared->frame.index)) overlay->write(*prepared, dynamics);
       FrameReport& report = totals.frames.back();
       report.frame_ms = watch.lap_ms();
@@ -160,12 +166,16 @@ void run(RunOptions options) {
 }
 
 void add_detector_options(CLI::App& command, RunOptions& options) {
+  auto* recorded = command.add_option(
+      "--detections", options.detections,
+      "Boxes of this file instead of a detector's, as in an earlier run's detections.txt");
   command
       .add_option("--detector", options.detector.kind,
                   "What finds objects that may move: auto (YOLOX when there is a model, else "
                   "motion), yolox, motion or none")
       ->transform(CLI::CheckedTransformer(detectors).description(names_of(detectors)))
-      ->default_str("auto");
+      ->default_str("auto")
+      ->excludes(recorded);
   command.add_option("--model", options.detector.yolox.model,
                      "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
   command

@@ -13,6 +13,7 @@ namespace dkp_slam::apps {
 struct RunOptions {
   std::string sequence, camera;
   std::filesystem::path out, classes;
+  std::filesystem::path detections;  ///< recorded ones instead of a detector's; empty for none
   DynamicsMode mode = DynamicsMode::dkp_plus;
   DetectorOptions detector;
   bool realtime = false;

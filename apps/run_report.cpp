@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
@@ -28,7 +29,8 @@ constexpr Column columns[] = {
     {"frame", &FrameReport::frame_ms},
 };
 
-constexpr std::array files = {"trajectory.txt", "keyframes.txt", "timings.csv", "summary.json"};
+constexpr std::array files = {"trajectory.txt", "keyframes.txt", "detections.txt", "timings.csv",
+                              "summary.json"};
 
 double median_of(const std::vector<FrameReport>& frames, double FrameReport::*value) {
   std::vector<double> values;
@@ -155,8 +157,9 @@ void prepare_run_folder(const fs::path& out) {
 void save_run(const RunResult& result, const fs::path& out) {
   write_trajectory(out / files[0], result.trajectory);
   write_trajectory(out / files[1], result.keyframes);
-  write_file_atomically(out / files[2], timings_csv(result.totals.frames));
-  write_file_atomically(out / files[3], summary_json(result).dump(2) + "\n");
+  write_file_atomically(out / files[2], recorded_header() + result.totals.detections);
+  write_file_atomically(out / files[3], timings_csv(result.totals.frames));
+  write_file_atomically(out / files[4], summary_json(result).dump(2) + "\n");
 }
 
 std::string verdict(const RunTotals& totals) {

@@ -19,7 +19,8 @@ struct RunTotals {
   std::size_t skipped_frames = 0;  ///< images that could not be read
   int dropped_frames = 0;          ///< too late in real time
   int detector_failures = 0;
-  int pictures = 0;  ///< of the overlay
+  int pictures = 0;        ///< of the overlay
+  std::string detections;  ///< what the detector found, as lines of a file of detections
   bool interrupted = false;
   std::string failure;  ///< what ended the run early; empty when nothing did
 
@@ -49,7 +50,8 @@ std::string summary_text(const RunResult& result, const std::filesystem::path& o
 /// Makes the folder and throws `Error` where the files of a run could not be written into it now.
 void prepare_run_folder(const std::filesystem::path& out);
 
-/// Writes trajectory.txt, keyframes.txt, timings.csv and summary.json, each whole or not at all.
+/// Writes trajectory.txt, keyframes.txt, detections.txt, timings.csv and summary.json, each whole
+/// or not at all.
 void save_run(const RunResult& result, const std::filesystem::path& out);
 
 /// Why the run counts as failed, one line; empty when it does not. Fails: a run that ended early,

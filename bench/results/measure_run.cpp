@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <fstream>
+#include <map>
 #include <numbers>
 #include <sstream>
 
@@ -22,6 +24,9 @@ namespace fs = std::filesystem;
 // Written last: a run without it was cut off.
 const char* const record_name = "process.json";
 
+/// The mode that is run once more with its own detections read from a file.
+const char* const replayed_mode = "dkp+";
+
 std::vector<std::string> command_of(const MeasureOptions& options, const RunKey& key) {
   std::vector<std::string> command = {options.program.string(),
                                       "run",
@@ -38,6 +43,25 @@ std::vector<std::string> command_of(const MeasureOptions& options, const RunKey&
   command.insert(command.end(), {"--detector", options.model.empty() ? "motion" : "yolox"});
   if (!options.model.empty()) command.insert(command.end(), {"--model", options.model.string()});
   return command;
+}
+
+/// The same run with the detections that it made, so that its times are those of tracking alone.
+std::vector<std::string> replay_of(const MeasureOptions& options, const RunKey& key) {
+  RunKey plain = key;
+  plain.mode = "off";  // no detector
+  std::vector<std::string> command = command_of(options, plain);
+  const fs::path folder = run_folder(options, key);
+  *(std::find(command.begin(), command.end(), "--mode") + 1) = key.mode;
+  *(std::find(command.begin(), command.end(), "--out") + 1) = (folder / "replay").string();
+  command.insert(command.end(), {"--detections", (folder / "out" / "detections.txt").string()});
+  return command;
+}
+
+std::map<std::string, std::vector<double>> read_times(const fs::path& folder) {
+  std::ifstream timings(folder / "timings.csv");
+  std::ostringstream text;
+  text << timings.rdbuf();
+  return read_timings(text.str());
 }
 
 nlohmann::json read_json(const fs::path& path) {
@@ -112,6 +136,10 @@ bool measure_run(const MeasureOptions& options, const RunKey& key,
   fs::create_directories(folder);
   const std::vector<std::string> command = command_of(options, key);
   const ProcessResult result = run_process(command, folder / "log.txt", stop);
+  if (!stop() && result.exit_code == 0 && key.mode == replayed_mode) {
+    fs::remove_all(folder / "replay");
+    run_process(replay_of(options, key), folder / "replay_log.txt", stop);
+  }
   if (stop()) return false;
   const nlohmann::ordered_json record = {{"command", command},
                                          {"program", fingerprint(options.program)},
@@ -140,10 +168,14 @@ RunFigures read_run(const MeasureOptions& options, const RunKey& key) {
     // Frames whose images could not be read are lost to the user too.
     figures.frames = summary.at("frames").get<std::size_t>() +
                      summary.value("skipped_frames", static_cast<std::size_t>(0));
-    std::ifstream timings(folder / "out" / "timings.csv");
-    std::ostringstream text;
-    text << timings.rdbuf();
-    set_times(figures, read_timings(text.str()));
+    if (key.mode == replayed_mode) {
+      set_times(figures, read_times(folder / "replay"));
+      const double without_detection = figures.without_detection_ms;
+      set_times(figures, read_times(folder / "out"));
+      figures.without_detection_ms = without_detection;
+    } else {
+      set_times(figures, read_times(folder / "out"));
+    }
     const Trajectory estimate = read_trajectory(folder / "out" / "trajectory.txt");
     // Counted in what a user gets, not taken from the program's own word.
     figures.lost_frames = figures.frames - std::min(figures.frames, estimate.size());

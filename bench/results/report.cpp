@@ -226,8 +226,9 @@ std::string report(const ReportHeader& header, const Results& results) {
       "trajectory has no pose for it. Masks and features are scored against mask/: frames with a "
       "person over 5 % of the image, each true region against the masks that touch it; a feature "
       "counts as removed when it is called not static. Tracking without detection: features, "
-      "clustering, removal and tracking of a frame, one after the other; with mode off it is "
-      "what ORB-SLAM3 calls tracking. Memory: VmHWM, MB of 1024 x 1024 bytes.\n\n";
+      "clustering, removal and tracking of a frame, one after the other, in a second run that "
+      "reads the first one's detections from a file, so that no network shares the cores; with "
+      "mode off it is what ORB-SLAM3 calls tracking. Memory: VmHWM, MB of 1024 x 1024 bytes.\n\n";
   out += targets_table(results) + '\n';
   out +=
       "## Ablation (as the paper's Table 6)\n\nATE in metres: RMSE and standard deviation; frames "
