@@ -149,7 +149,7 @@ void run(RunOptions options) {
   {
     const std::optional<std::size_t> frames = source->size();
     FrontEnd front_end(std::move(source), std::move(detector),
-                       {slam_options.orb, options.realtime});
+                       {slam_options.orb, options.realtime, options.one_at_a_time});
     result.totals = play(front_end, slam, overlay ? &*overlay : nullptr, frames);
   }
   slam.finish(result.totals.interrupted);
@@ -207,8 +207,14 @@ void add_run_command(CLI::App& program) {
       ->transform(CLI::CheckedTransformer(modes).description(names_of(modes)))
       ->default_str("dkp+");
   add_detector_options(*command, *options);
-  command->add_flag("--realtime", options->realtime,
-                    "Play by the time stamps, drop what comes too late, wait for nothing");
+  auto* realtime =
+      command->add_flag("--realtime", options->realtime,
+                        "Play by the time stamps, drop what comes too late, wait for nothing");
+  command
+      ->add_flag(
+          "--one-at-a-time", options->one_at_a_time,
+          "Read a frame when the one before is done: slower, but each stage's time is its own")
+      ->excludes(realtime);
   command->add_option("--seed", options->seed, "Seed of everything random")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

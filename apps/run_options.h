@@ -17,6 +17,7 @@ struct RunOptions {
   DynamicsMode mode = DynamicsMode::dkp_plus;
   DetectorOptions detector;
   bool realtime = false;
+  bool one_at_a_time = false;
   std::uint64_t seed = 1;
   bool overlay = false;
   int overlay_every = 30;  ///< frames; one picture a second

@@ -45,7 +45,8 @@ std::vector<std::string> command_of(const MeasureOptions& options, const RunKey&
   return command;
 }
 
-/// The same run with the detections that it made, so that its times are those of tracking alone.
+/// The same run with the detections that it made, one frame at a time: its times are those of
+/// tracking alone, as those of systems that read, detect and track in turn.
 std::vector<std::string> replay_of(const MeasureOptions& options, const RunKey& key) {
   RunKey plain = key;
   plain.mode = "off";  // no detector
@@ -53,7 +54,8 @@ std::vector<std::string> replay_of(const MeasureOptions& options, const RunKey& 
   const fs::path folder = run_folder(options, key);
   *(std::find(command.begin(), command.end(), "--mode") + 1) = key.mode;
   *(std::find(command.begin(), command.end(), "--out") + 1) = (folder / "replay").string();
-  command.insert(command.end(), {"--detections", (folder / "out" / "detections.txt").string()});
+  command.insert(command.end(),
+                 {"--one-at-a-time", "--detections", (folder / "out" / "detections.txt").string()});
   return command;
 }
 

@@ -227,7 +227,8 @@ std::string report(const ReportHeader& header, const Results& results) {
       "person over 5 % of the image, each true region against the masks that touch it; a feature "
       "counts as removed when it is called not static. Tracking without detection: features, "
       "clustering, removal and tracking of a frame, one after the other, in a second run that "
-      "reads the first one's detections from a file, so that no network shares the cores; with "
+      "reads the first one's detections from a file, one frame at a time, so that neither a "
+      "network nor the next frame shares the cores; with "
       "mode off it is what ORB-SLAM3 calls tracking. Memory: VmHWM, MB of 1024 x 1024 bytes.\n\n";
   out += targets_table(results) + '\n';
   out +=

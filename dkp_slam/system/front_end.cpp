@@ -17,6 +17,7 @@ FrontEnd::FrontEnd(std::unique_ptr<RgbdSource> source, std::unique_ptr<Detector>
     : options_(options),
       source_(std::move(source)),
       detector_(std::move(detector)),
+      asked_for_(1),
       read_(options.realtime ? 1 : line_capacity),
       extracted_(options.realtime ? 1 : line_capacity),
       detected_(line_capacity),
@@ -28,6 +29,7 @@ FrontEnd::FrontEnd(std::unique_ptr<RgbdSource> source, std::unique_ptr<Detector>
 }
 
 FrontEnd::~FrontEnd() {
+  asked_for_.close();
   read_.close();
   extracted_.close();
   detected_.close();
@@ -36,6 +38,7 @@ FrontEnd::~FrontEnd() {
 }
 
 std::optional<PreparedFrame> FrontEnd::next() {
+  if (options_.one_at_a_time) asked_for_.push_newest(0);
   std::optional<PreparedFrame> frame = options_.realtime ? extracted_.pop() : detected_.pop();
   if (!frame) {
     for (const std::exception_ptr& error : {feature_error_, source_error_}) {
@@ -54,6 +57,7 @@ std::optional<PreparedFrame> FrontEnd::next() {
 void FrontEnd::read() {
   try {
     while (true) {
+      if (options_.one_at_a_time && !asked_for_.pop()) return;
       const Stopwatch watch;
       std::optional<RgbdFrame> frame = source_->read();
       skipped_frames_ = source_->skipped();

@@ -30,6 +30,9 @@ struct FrontEndOptions {
   /// Play the source by its time stamps, drop frames that come too late, and never wait for the
   /// detector: the newest finished result goes with the newest frame.
   bool realtime = false;
+  /// Read a frame only when the one before has been taken and the next is asked for. Slower, but
+  /// every stage has the machine to itself, so that its time is its own. Not with `realtime`.
+  bool one_at_a_time = false;
 };
 
 /// Reading, feature extraction and detection, each in its own thread, ahead of the tracker.
@@ -68,6 +71,7 @@ class FrontEnd {
   const FrontEndOptions options_;
   std::unique_ptr<RgbdSource> source_;
   std::unique_ptr<Detector> detector_;
+  BoundedQueue<char> asked_for_;  // a ticket per call of next(), where frames go one at a time
   BoundedQueue<PreparedFrame> read_, extracted_, detected_;
   BoundedQueue<RgbdFrame> newest_frame_;
   BoundedQueue<std::pair<std::vector<Detection>, double>> newest_detections_;
