@@ -37,10 +37,10 @@ void search_empty_cells(const cv::Mat& image, int threshold, std::vector<cv::Key
     for (int c = 0; c < columns; ++c) {
       if (filled[static_cast<std::size_t>(r * columns + c)]) continue;
       // FAST needs three pixels around a corner: cells overlap by that.
-      const cv::Rect cell = cv::Rect(cv::Point(c * image.cols / columns - 3, r * image.rows / rows - 3),
-                                     cv::Point((c + 1) * image.cols / columns + 3,
-                                               (r + 1) * image.rows / rows + 3)) &
-                            cv::Rect(0, 0, image.cols, image.rows);
+      const cv::Rect cell =
+          cv::Rect(cv::Point(c * image.cols / columns - 3, r * image.rows / rows - 3),
+                   cv::Point((c + 1) * image.cols / columns + 3, (r + 1) * image.rows / rows + 3)) &
+          cv::Rect(0, 0, image.cols, image.rows);
       cv::FAST(image(cell), weak, threshold, true);
       for (cv::KeyPoint& k : weak) {
         k.pt += cv::Point2f(cell.tl());
@@ -62,40 +62,55 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
     wanted_per_level_.push_back(static_cast<int>(std::lround(share)));
     scale *= options.scale;
     share *= inverse;
+    describers_.push_back(cv::ORB::create(options.features, options.scale, 1, border, 0, 2,
+                                          cv::ORB::HARRIS_SCORE, 2 * patch_radius + 1));
   }
-  describer_ = cv::ORB::create(options.features, options.scale, 1, border, 0, 2,
-                               cv::ORB::HARRIS_SCORE, 2 * patch_radius + 1);
 }
 
-OrbFeatures OrbExtractor::extract(const cv::Mat& grey) {
+OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
   CV_Assert(grey.type() == CV_8UC1);
-  OrbFeatures out;
-  cv::Mat image = grey;
-  for (int level = 0; level < options_.levels; ++level) {
+  std::vector<cv::Mat> pyramid{grey};
+  for (int level = 1; level < options_.levels; ++level) {
     const float scale = scales_[static_cast<std::size_t>(level)];
-    if (level > 0) {
-      cv::Mat smaller;
-      cv::resize(image, smaller,
-                 cv::Size(cvRound(grey.cols / scale), cvRound(grey.rows / scale)), 0, 0,
-                 cv::INTER_LINEAR);
-      image = smaller;
+    const cv::Size size(cvRound(grey.cols / scale), cvRound(grey.rows / scale));
+    if (size.width <= 2 * border || size.height <= 2 * border) break;
+    pyramid.emplace_back();
+    cv::resize(pyramid[static_cast<std::size_t>(level) - 1], pyramid.back(), size, 0, 0,
+               cv::INTER_LINEAR);
+  }
+  // Levels have nothing to do with each other: whoever waits for a frame gets it sooner.
+  std::vector<OrbFeatures> of_level(pyramid.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(pyramid.size())), [&](const cv::Range& range) {
+    for (int level = range.start; level < range.end; ++level) {
+      const auto l = static_cast<std::size_t>(level);
+      of_level[l] = extract_level(pyramid[l], level);
     }
-    if (image.cols <= 2 * border || image.rows <= 2 * border) break;
-    std::vector<cv::KeyPoint> found =
-        detect_level(image, wanted_per_level_[static_cast<std::size_t>(level)]);
-    add_angles(image, found);
-    // One level at a time on our own pyramid: OpenCV would build its own again, the slow exact way.
-    cv::Mat rows;
-    describer_->compute(image, found, rows);
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      cv::KeyPoint& k = found[i];
-      k.pt *= scale;
-      k.octave = level;
-      k.size = scale * (2 * patch_radius + 1);
-      out.keypoints.push_back(k);
-      out.descriptors.emplace_back();
-      std::memcpy(out.descriptors.back().data(), rows.ptr(static_cast<int>(i)), sizeof(Descriptor));
-    }
+  });
+  OrbFeatures out;
+  for (const OrbFeatures& f : of_level) {
+    out.keypoints.insert(out.keypoints.end(), f.keypoints.begin(), f.keypoints.end());
+    out.descriptors.insert(out.descriptors.end(), f.descriptors.begin(), f.descriptors.end());
+  }
+  return out;
+}
+
+OrbFeatures OrbExtractor::extract_level(const cv::Mat& image, int level) const {
+  OrbFeatures out;
+  const auto l = static_cast<std::size_t>(level);
+  const float scale = scales_[l];
+  if (image.cols <= 2 * border || image.rows <= 2 * border) return out;
+  out.keypoints = detect_level(image, wanted_per_level_[l]);
+  add_angles(image, out.keypoints);
+  // One level at a time on our own pyramid: OpenCV would build its own again, the slow exact way.
+  cv::Mat rows;
+  describers_[l]->compute(image, out.keypoints, rows);
+  for (std::size_t i = 0; i < out.keypoints.size(); ++i) {
+    cv::KeyPoint& k = out.keypoints[i];
+    k.pt *= scale;
+    k.octave = level;
+    k.size = scale * (2 * patch_radius + 1);
+    out.descriptors.emplace_back();
+    std::memcpy(out.descriptors.back().data(), rows.ptr(static_cast<int>(i)), sizeof(Descriptor));
   }
   return out;
 }

@@ -10,11 +10,11 @@
 namespace dkp_slam {
 
 struct OrbOptions {
-  int features = 1000;    ///< per image, as ORB-SLAM3's RGB-D settings for the TUM sequences
-  int levels = 8;         ///< of the image pyramid
-  float scale = 1.2F;     ///< between two levels
-  int fast_threshold = 20;      ///< grey levels
-  int fast_low_threshold = 7;   ///< where a cell shows no corner at the first
+  int features = 1000;         ///< per image, as ORB-SLAM3's RGB-D settings for the TUM sequences
+  int levels = 8;              ///< of the image pyramid
+  float scale = 1.2F;          ///< between two levels
+  int fast_threshold = 20;     ///< grey levels
+  int fast_low_threshold = 7;  ///< where a cell shows no corner at the first
 };
 
 /// ORB features of one image.
@@ -33,13 +33,14 @@ class OrbExtractor {
   explicit OrbExtractor(const OrbOptions& options = {});
 
   /// `grey`: CV_8UC1. Deterministic.
-  OrbFeatures extract(const cv::Mat& grey);
+  OrbFeatures extract(const cv::Mat& grey) const;
 
   const OrbOptions& options() const { return options_; }
   /// Side length of a pixel of a level in pixels of the full image.
   float scale_of(int level) const { return scales_[static_cast<std::size_t>(level)]; }
 
  private:
+  OrbFeatures extract_level(const cv::Mat& image, int level) const;
   std::vector<cv::KeyPoint> detect_level(const cv::Mat& image, int wanted) const;
   void add_angles(const cv::Mat& image, std::vector<cv::KeyPoint>& keypoints) const;
 
@@ -47,7 +48,7 @@ class OrbExtractor {
   std::vector<float> scales_;
   std::vector<int> wanted_per_level_;
   std::vector<int> patch_row_half_width_;
-  cv::Ptr<cv::ORB> describer_;
+  std::vector<cv::Ptr<cv::ORB>> describers_;  // one per level: levels run at the same time
 };
 
 /// Keeps at most about `wanted` keypoints, the strongest of each leaf of a quad-tree over `area`
