@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -96,8 +97,8 @@ class RunCommand : public ::testing::Test {
     std::vector<std::string> names;
     for (const auto& file : fs::directory_iterator(out())) names.push_back(file.path().filename());
     std::sort(names.begin(), names.end());
-    EXPECT_THAT(names, ::testing::ElementsAre("keyframes.txt", "summary.json", "timings.csv",
-                                              "trajectory.txt"));
+    EXPECT_THAT(names, ::testing::ElementsAre("detections.txt", "keyframes.txt", "summary.json",
+                                              "timings.csv", "trajectory.txt"));
   }
   nlohmann::json summary() const { return nlohmann::json::parse(content(out() / "summary.json")); }
   void replace_in_camera(const std::string& from, const std::string& to) const {
@@ -155,6 +156,36 @@ TEST_F(RunCommand, SaysWhichDetectorRunsAndHowToGetWeights) {
   ASSERT_EQ(run({"--mode", "off", "--detector", "motion"}), 0);
   EXPECT_THAT(stderr_, HasSubstr("no detector runs (mode off)"));
   EXPECT_EQ(summary().at("detector"), "none");
+}
+
+TEST_F(RunCommand, RepeatsWithRecordedDetections) {
+  // A person's box in the middle of every image: its features go, in both runs the same ones.
+  std::string boxes = "# timestamp class_id score x y width height\n";
+  for (const StampedPose& pose : read_trajectory(sequence_->folder() / "groundtruth.txt")) {
+    boxes += fmt::format("{:.6f} 0 0.9 200 100 200.25 300\n", pose.timestamp);
+  }
+  write("boxes.txt", boxes);
+  const std::string given = sequence_->folder() / "boxes.txt";
+  ASSERT_EQ(run({"--mode", "d", "--detections", given}), 0) << stderr_;
+  EXPECT_EQ(summary().at("detector"), "recorded (boxes.txt)");
+  EXPECT_EQ(summary().at("detections"), frame_count);
+  EXPECT_GT(summary().at("features_removed"), 0);
+  const std::string path = content(out() / "trajectory.txt");
+  EXPECT_EQ(content(out() / "detections.txt"), boxes);
+  fs::rename(out() / "detections.txt", folder_ / "again.txt");
+  ASSERT_EQ(run({"--mode", "d", "--one-at-a-time", "--detections", folder_ / "again.txt"}), 0);
+  EXPECT_EQ(content(out() / "trajectory.txt"), path);
+  EXPECT_EQ(content(out() / "detections.txt"), boxes);
+}
+
+TEST_F(RunCommand, DetectionsThatCannotBeRead) {
+  expect_refused("boxes.txt: cannot read the detections",
+                 {"--detections", sequence_->folder() / "boxes.txt"});
+  write("boxes.txt", "1.0 0 0.9 1 2 3\n");
+  expect_refused("boxes.txt:1: a line must hold",
+                 {"--detections", sequence_->folder() / "boxes.txt"});
+  EXPECT_EQ(run({"--detections", "boxes.txt", "--detector", "motion"}), 2);
+  EXPECT_EQ(run({"--realtime", "--one-at-a-time"}), 2);
 }
 
 TEST_F(RunCommand, OverlayPictures) {

@@ -65,7 +65,7 @@ class MeasureRun : public ::testing::Test {
 
   void set_program(const std::string& body) {
     write(options_.program,
-          "#!/bin/sh\necho \"$@\" > '" + (folder_ / "called").string() + "'\n" + body + "\n");
+          "#!/bin/sh\necho \"$@\" >> '" + (folder_ / "called").string() + "'\n" + body + "\n");
     fs::permissions(options_.program, fs::perms::owner_all);
   }
 
@@ -80,6 +80,9 @@ TEST_F(MeasureRun, FiguresComeFromTheOutputOfTheRun) {
   EXPECT_THAT(called, HasSubstr("--mode dkp+ --seed 7"));
   EXPECT_THAT(called, HasSubstr("config/tum_fr1.yaml"));
   EXPECT_THAT(called, HasSubstr("--detector yolox --model"));
+  // Once more with what it detected, for the times without detection.
+  EXPECT_THAT(called, HasSubstr("--one-at-a-time --detections " +
+                                (run_folder(options_, key) / "out/detections.txt").string()));
   const RunFigures run = read_run(options_, key);
   EXPECT_EQ(run.problem, "");
   EXPECT_NEAR(run.ate_rmse, 0.02, 1e-4);
