@@ -21,8 +21,8 @@
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
+#include "dkp_slam/stopwatch.h"
 #include "dkp_slam/system/slam.h"
-#include "dkp_slam/system/stopwatch.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;

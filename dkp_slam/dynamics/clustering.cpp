@@ -7,16 +7,10 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/dynamics/kmeans.h"
+#include "dkp_slam/dynamics/depth_interval.h"
 
 namespace dkp_slam {
 namespace {
-
-struct DepthInterval {
-  float low = 0.0F;
-  float high = 0.0F;
-  bool holds(float z) const { return z > 0.0F && z >= low && z < high; }
-};
 
 bool flagged(const cv::Mat& mask, int x, int y) {
   return !mask.empty() && mask.at<std::uint8_t>(y, x) != 0;
@@ -37,78 +31,6 @@ DepthHistogram histogram_of(const DepthView& view, const cv::Mat& planes, const 
 cv::Rect central_half(const cv::Rect& box) {
   return {box.x + box.width / 4, box.y + box.height / 4, std::max(1, box.width / 2),
           std::max(1, box.height / 2)};
-}
-
-/// Nearest depth around which at least a given share of the pixels gathers; 0 when there is none.
-float dominant_near_mode(const DepthHistogram& histogram, double min_share, double thickness) {
-  const auto reach = static_cast<int>(0.5 * thickness / histogram.bin_width());
-  const double needed = min_share * histogram.total();
-  int window = 0;
-  for (int b = -reach; b < histogram.bins(); ++b) {  // b is the window's centre
-    if (b + reach < histogram.bins()) window += histogram.count(b + reach);
-    if (b - reach - 1 >= 0) window -= histogram.count(b - reach - 1);
-    if (b < 0 || window <= 0 || window < needed) continue;
-    // Slide on while the window still gains: its fullest place is the mode.
-    int best = b, best_count = window;
-    for (int c = b + 1; c <= b + 2 * reach && c < histogram.bins(); ++c) {
-      if (c + reach < histogram.bins()) window += histogram.count(c + reach);
-      if (c - reach - 1 >= 0) window -= histogram.count(c - reach - 1);
-      if (window > best_count) {
-        best = c;
-        best_count = window;
-      }
-    }
-    return histogram.centre(best);
-  }
-  return 0.0F;
-}
-
-/// Algorithm 1 line 4: half width of the depth interval around T that holds a share R.
-float matched_half_width(const DepthHistogram& histogram, float mean_depth, float share) {
-  const double wanted = static_cast<double>(share) * histogram.total();
-  float half = histogram.bin_width();
-  constexpr float widest = 1.0F;
-  while (half < widest && histogram.count_between(mean_depth - half, mean_depth + half) < wanted) {
-    half += histogram.bin_width();
-  }
-  return half;
-}
-
-/// Intervals of depth that belong to the object, and K.
-DepthInterval object_interval(const DepthHistogram& histogram, float mean_depth, float share,
-                              const ClusteringOptions& options, std::uint64_t seed, int* k_used) {
-  const float half = matched_half_width(histogram, mean_depth, share);
-  int k = 1;
-  if (options.mode == ClusteringMode::paper) {
-    const int n = std::max(1, DepthView::step * DepthView::step *
-                                  histogram.count_between(mean_depth - half, mean_depth + half));
-    const double raw_max = options.raw_depth_scale * static_cast<double>(histogram.max_value());
-    constexpr double sane = 64.0;  // K of a mask of a few pixels would otherwise be thousands
-    k = static_cast<int>(std::clamp(std::round(raw_max / n), 1.0, sane));
-  } else if (options.mode == ClusteringMode::adaptive) {
-    const double layers = static_cast<double>(histogram.max_value()) / (2.0 * half);
-    k = static_cast<int>(std::clamp(std::round(layers), static_cast<double>(options.min_clusters),
-                                    static_cast<double>(options.max_clusters)));
-  } else {
-    *k_used = 0;
-    const auto band = static_cast<float>(options.band);
-    return {mean_depth - band, mean_depth + band};
-  }
-  const std::vector<DepthCluster> clusters = kmeans(histogram, k, seed);
-  *k_used = static_cast<int>(clusters.size());
-  if (clusters.empty()) return {};
-  const auto chosen = std::min_element(
-      clusters.begin(), clusters.end(), [&](const DepthCluster& a, const DepthCluster& b) {
-        return std::abs(a.centre - mean_depth) < std::abs(b.centre - mean_depth);
-      });
-  DepthInterval interval{chosen->low, chosen->high};
-  if (options.mode == ClusteringMode::paper) return interval;
-  for (const DepthCluster& c : clusters) {
-    if (std::abs(c.centre - chosen->centre) > static_cast<float>(options.join_distance)) continue;
-    interval.low = std::min(interval.low, c.low);
-    interval.high = std::max(interval.high, c.high);
-  }
-  return interval;
 }
 
 /// Keeps the blobs of at least `min_share` of all.
@@ -132,13 +54,6 @@ cv::Rect grown(const cv::Rect& box, double share, const cv::Size& size) {
   const int dx = static_cast<int>(share * box.width), dy = static_cast<int>(share * box.height);
   return cv::Rect(box.x - dx, box.y - dy, box.width + 2 * dx, box.height + 2 * dy) &
          cv::Rect(0, 0, size.width, size.height);
-}
-
-template <typename F>
-void for_each_pixel(const cv::Rect& area, F&& visit) {
-  for (int y = area.y; y < area.y + area.height; ++y) {
-    for (int x = area.x; x < area.x + area.width; ++x) visit(x, y);
-  }
 }
 
 /// A surface that reaches into an object's box; areas in pixels of the view.
@@ -272,70 +187,7 @@ void add_crumbs(const Scene& scene, const ClusteringOptions& options, ObjectMask
   }
 }
 
-/// T and R of a mask.
-void measure_mask(const DepthView& view, const cv::Rect& inner, ObjectMask& out) {
-  double sum = 0.0;
-  int count = 0, inside = 0, known = 0;
-  for_each_pixel(out.area, [&](int x, int y) {
-    if (out.mask.at<std::uint8_t>(y - out.area.y, x - out.area.x) == 0) return;
-    sum += static_cast<double>(view.depth.at<float>(y, x));
-    ++count;
-    inside += inner.contains({x, y}) ? 1 : 0;
-  });
-  for_each_pixel(inner, [&](int x, int y) { known += view.depth.at<float>(y, x) > 0.0F ? 1 : 0; });
-  if (count == 0 || known == 0) return;
-  out.mean_depth = static_cast<float>(sum / count);
-  out.share = static_cast<float>(inside) / static_cast<float>(known);
-}
-
 }  // namespace
-
-cv::Rect view_rect(const cv::Rect2f& box, const cv::Size& view_size) {
-  constexpr auto step = static_cast<float>(DepthView::step);
-  const int x0 = static_cast<int>(std::floor(box.x / step));
-  const int y0 = static_cast<int>(std::floor(box.y / step));
-  const int x1 = static_cast<int>(std::ceil((box.x + box.width) / step));
-  const int y1 = static_cast<int>(std::ceil((box.y + box.height) / step));
-  return cv::Rect(x0, y0, x1 - x0, y1 - y0) & cv::Rect(0, 0, view_size.width, view_size.height);
-}
-
-void paint_object(const ObjectMask& object, std::uint8_t label, cv::Mat& labels) {
-  constexpr int step = DepthView::step;
-  for (int y = 0; y < object.area.height; ++y) {
-    for (int x = 0; x < object.area.width; ++x) {
-      if (object.mask.at<std::uint8_t>(y, x) == 0) continue;
-      const cv::Rect pixels =
-          cv::Rect((x + object.area.x) * step, (y + object.area.y) * step, step, step) &
-          cv::Rect(0, 0, labels.cols, labels.rows);
-      labels(pixels) = label;
-    }
-  }
-}
-
-ObjectMask mask_from_silhouette(const DepthView& view, const cv::Mat& silhouette,
-                                const cv::Rect2f& box) {
-  ObjectMask out;
-  out.area = view_rect(box, view.depth.size());
-  out.mask = cv::Mat::zeros(out.area.size(), CV_8UC1);
-  const cv::Point origin(static_cast<int>(std::floor(box.x)), static_cast<int>(std::floor(box.y)));
-  const cv::Rect inside(0, 0, silhouette.cols, silhouette.rows);
-  for_each_pixel(out.area, [&](int x, int y) {
-    const cv::Point p = cv::Point(x * DepthView::step, y * DepthView::step) - origin;
-    if (inside.contains(p) && silhouette.at<std::uint8_t>(p) != 0) {
-      out.mask.at<std::uint8_t>(y - out.area.y, x - out.area.x) = 255;
-    }
-  });
-  measure_mask(view, out.area, out);
-  out.moving = true;
-  return out;
-}
-
-int mask_overlap(const ObjectMask& a, const ObjectMask& b) {
-  if (a.empty() || b.empty()) return 0;
-  const cv::Rect common = a.area & b.area;
-  if (common.area() == 0) return 0;
-  return cv::countNonZero(a.mask(common - a.area.tl()) & b.mask(common - b.area.tl()));
-}
 
 Scene make_scene(const DepthView& view, double focal_length, const std::vector<Plane>& planes,
                  const ClusteringOptions& options, std::uint64_t seed) {

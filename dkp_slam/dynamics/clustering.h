@@ -8,6 +8,7 @@
 #include "dkp_slam/dynamics/depth_view.h"
 #include "dkp_slam/dynamics/flat_patches.h"
 #include "dkp_slam/dynamics/frame_dynamics.h"
+#include "dkp_slam/dynamics/object_mask.h"
 #include "dkp_slam/dynamics/plane.h"
 #include "dkp_slam/dynamics/segments.h"
 
@@ -50,18 +51,6 @@ struct ClusteringOptions {
   int crumb_reach = 3;  ///< pixels of the view
 };
 
-/// Silhouette of one object in pixels of the view.
-struct ObjectMask {
-  cv::Rect area;            ///< pixels of the view
-  cv::Mat mask;             ///< CV_8UC1, size of `area`, 255 on the object
-  float mean_depth = 0.0F;  ///< T, metres; 0 when the mask is empty
-  float share = 0.0F;       ///< R: mask pixels over the box's pixels with a known depth
-  int clusters = 0;         ///< K that was used
-  bool moving = false;      ///< its main surface is proved to move
-  bool still = false;       ///< its main surface is proved to stand still
-  bool empty() const { return mean_depth <= 0.0F; }
-};
-
 /// What is known of an object from the frame before.
 struct ObjectPrior {
   float mean_depth = 0.0F;  ///< T, metres; 0 at first sight
@@ -87,18 +76,5 @@ Scene make_scene(const DepthView& view, double focal_length, const std::vector<P
 /// are not proved to stand still while the object's main surface is another.
 ObjectMask cluster_object(const Scene& scene, const cv::Rect2f& box, const ObjectPrior& prior,
                           const ClusteringOptions& options, std::uint64_t seed);
-
-/// Mask of an object whose detector knows the silhouette (CV_8UC1, size of `box` rounded outwards).
-ObjectMask mask_from_silhouette(const DepthView& view, const cv::Mat& silhouette,
-                                const cv::Rect2f& box);
-
-/// Pixels of the view that two masks share.
-int mask_overlap(const ObjectMask& a, const ObjectMask& b);
-
-/// Writes `label` where the object is into `labels` (CV_8UC1, image size).
-void paint_object(const ObjectMask& object, std::uint8_t label, cv::Mat& labels);
-
-/// Box in pixels of the view, clipped to it, for one in pixels of the image.
-cv::Rect view_rect(const cv::Rect2f& box, const cv::Size& view_size);
 
 }  // namespace dkp_slam

@@ -1,7 +1,6 @@
 #include "dkp_slam/dynamics/dynamics_module.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -11,23 +10,10 @@
 
 #include "dkp_slam/dynamics/depth_view.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/stopwatch.h"
 
 namespace dkp_slam {
 namespace {
-
-class Stopwatch {
- public:
-  /// Milliseconds since the last lap.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const std::chrono::duration<double, std::milli> passed = now - last_;
-    last_ = now;
-    return passed.count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 template <typename T>
 T value_at(const cv::Mat& image, const cv::Point2f& p) {
@@ -335,7 +321,7 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
     }
     s.motion.look_back(frame.depth, points, doubtful, found);
   }
-  result.removal_ms += watch.lap();
+  result.removal_ms += watch.lap_ms();
 
   const cv::Mat labels = s.cut_masks(frame, view, points, found);
   s.previous_labels = labels;
@@ -345,7 +331,7 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
     regions.push_back({t.object.box, t.object.weight});
   }
   if (!result.objects.empty()) result.mask = labels > 0;
-  result.clustering_ms = watch.lap();
+  result.clustering_ms = watch.lap_ms();
 
   assign_regions(points, regions, labels, s.options.regions, result.features);
   s.measure_epipolar(found, result.features);
@@ -368,7 +354,7 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
     result.features[i].motion_residual = found.residual[i];
   }
   classify(s.options.mode, s.options.removal, evidence, result.features);
-  result.removal_ms += watch.lap();
+  result.removal_ms += watch.lap_ms();
   return result;
 }
 

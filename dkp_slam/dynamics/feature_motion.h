@@ -24,7 +24,7 @@ struct FeatureMotionOptions {
   /// either side.
   double depth_lag = 0.6;
   double max_lag_pixels = 8.0;  ///< and no farther than this, or everything has two depths
-  int min_low_points = 30;  ///< fewer outside the boxes: all points give the camera motion
+  int min_low_points = 30;      ///< fewer outside the boxes: all points give the camera motion
 };
 
 /// What flow says about the features of the newest frame. Vectors run parallel to the features.
@@ -47,8 +47,8 @@ class FeatureMotionEstimator {
   /// Starts where the camera's last motion would take them, were they static.
   FeatureMotion track(const cv::Mat& grey, const cv::Mat& depth,
                       const std::vector<cv::Point2f>& points, double time);
-  /// The camera's motion into the newest frame from the one before, as far as it is known: measured,
-  /// else that of the frame before, else none.
+  /// The camera's motion into the newest frame from the one before, as far as it is known:
+  /// measured, else that of the frame before, else none.
   Se3 current_from_previous() const;
   /// Fills camera_motion from the features flagged low, and `residual`.
   void compensate(const cv::Mat& depth, const std::vector<cv::Point2f>& points,

@@ -14,8 +14,8 @@ int hamming_distance(const Descriptor& a, const Descriptor& b);
 
 /// The two nearest of some candidates.
 struct NearestTwo {
-  int best = -1;             ///< index into the pool; -1 when there was no candidate
-  int best_distance = 257;   ///< above any real distance
+  int best = -1;            ///< index into the pool; -1 when there was no candidate
+  int best_distance = 257;  ///< above any real distance
   int second = -1;
   int second_distance = 257;
 };

@@ -38,9 +38,7 @@ TEST(Descriptor, NearestTwoAgreesWithSorting) {
   for (int i : some) EXPECT_GE(hamming_distance(query, pool[i]), few.best_distance);
 }
 
-TEST(Descriptor, NearestOfNothingIsNothing) {
-  EXPECT_EQ(nearest_two(Descriptor{}, {}).best, -1);
-}
+TEST(Descriptor, NearestOfNothingIsNothing) { EXPECT_EQ(nearest_two(Descriptor{}, {}).best, -1); }
 
 }  // namespace
 }  // namespace dkp_slam

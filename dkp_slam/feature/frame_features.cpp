@@ -56,8 +56,9 @@ FrameFeatures::FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth_image,
   seen_pixel = pixel;
   const bool moved = depth_from_colour.log().norm() > 1e-6;
   for (std::size_t i = 0; i < pixel.size(); ++i) {
-    depth.push_back(moved ? carried_depth(depth_image, camera, depth_from_colour, pixel[i], raw_pixel[i])
-                          : depth_at(depth_image, raw_pixel[i]));
+    depth.push_back(
+        moved ? carried_depth(depth_image, camera, depth_from_colour, pixel[i], raw_pixel[i])
+              : depth_at(depth_image, raw_pixel[i]));
   }
   build_grid();
 }
@@ -96,15 +97,18 @@ void FrameFeatures::build_grid() {
   cell_members_.resize(pixel.size());
   std::vector<std::int32_t> next(cell_start_.begin(), cell_start_.end() - 1);
   for (std::size_t i = 0; i < pixel.size(); ++i) {
-    cell_members_[static_cast<std::size_t>(next[cell_of(pixel[i])]++)] = static_cast<std::int32_t>(i);
+    cell_members_[static_cast<std::size_t>(next[cell_of(pixel[i])]++)] =
+        static_cast<std::int32_t>(i);
   }
 }
 
 void FrameFeatures::find(const cv::Point2f& centre, float radius, int lowest_level,
                          int highest_level, std::vector<int>& out) const {
   out.clear();
-  const int c0 = std::clamp(static_cast<int>(std::floor((centre.x - radius) / cell)), 0, columns_ - 1);
-  const int c1 = std::clamp(static_cast<int>(std::floor((centre.x + radius) / cell)), 0, columns_ - 1);
+  const int c0 =
+      std::clamp(static_cast<int>(std::floor((centre.x - radius) / cell)), 0, columns_ - 1);
+  const int c1 =
+      std::clamp(static_cast<int>(std::floor((centre.x + radius) / cell)), 0, columns_ - 1);
   const int r0 = std::clamp(static_cast<int>(std::floor((centre.y - radius) / cell)), 0, rows_ - 1);
   const int r1 = std::clamp(static_cast<int>(std::floor((centre.y + radius) / cell)), 0, rows_ - 1);
   for (int r = r0; r <= r1; ++r) {
@@ -114,7 +118,8 @@ void FrameFeatures::find(const cv::Point2f& centre, float radius, int lowest_lev
       const int i = cell_members_[static_cast<std::size_t>(k)];
       const auto s = static_cast<std::size_t>(i);
       if (level[s] < lowest_level || level[s] > highest_level) continue;
-      if (std::abs(pixel[s].x - centre.x) > radius || std::abs(pixel[s].y - centre.y) > radius) continue;
+      if (std::abs(pixel[s].x - centre.x) > radius || std::abs(pixel[s].y - centre.y) > radius)
+        continue;
       out.push_back(i);
     }
   }

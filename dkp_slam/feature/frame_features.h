@@ -18,8 +18,8 @@ class FrameFeatures {
  public:
   FrameFeatures() = default;
   /// `depth`: CV_32FC1 metres, 0 unknown, registered to the image the features come from.
-  /// `depth_from_colour`: the camera's motion between the two images when they were not taken at the
-  /// same moment; each feature's depth is then read where the feature was at the depth image's
+  /// `depth_from_colour`: the camera's motion between the two images when they were not taken at
+  /// the same moment; each feature's depth is then read where the feature was at the depth image's
   /// moment, and carried back. Identity reads straight through.
   FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth, const Camera& camera,
                 const Se3& depth_from_colour = {});
@@ -44,12 +44,12 @@ class FrameFeatures {
            camera.fx * camera.baseline / depth[static_cast<std::size_t>(i)];
   }
 
-  std::vector<cv::Point2f> pixel;      ///< undistorted pixels, corrected for the rolling shutter
-  std::vector<cv::Point2f> seen_pixel; ///< undistorted pixels, not corrected
-  std::vector<cv::Point2f> raw_pixel;  ///< as seen through the lens
-  std::vector<float> depth;            ///< metres; 0 where unknown
-  std::vector<std::uint8_t> level;     ///< pyramid level
-  std::vector<float> angle;            ///< degrees, 0..360
+  std::vector<cv::Point2f> pixel;       ///< undistorted pixels, corrected for the rolling shutter
+  std::vector<cv::Point2f> seen_pixel;  ///< undistorted pixels, not corrected
+  std::vector<cv::Point2f> raw_pixel;   ///< as seen through the lens
+  std::vector<float> depth;             ///< metres; 0 where unknown
+  std::vector<std::uint8_t> level;      ///< pyramid level
+  std::vector<float> angle;             ///< degrees, 0..360
   std::vector<Descriptor> descriptor;
 
  private:

@@ -27,9 +27,11 @@ OrbFeatures random_features(int count) {
 }
 
 TEST(FrameFeatures, FindAgreesWithLookingAtEveryFeature) {
-  const FrameFeatures features(random_features(4000), cv::Mat::zeros(480, 640, CV_32F), plain_camera());
+  const FrameFeatures features(random_features(4000), cv::Mat::zeros(480, 640, CV_32F),
+                               plain_camera());
   std::vector<int> found;
-  for (const cv::Point2f centre : {cv::Point2f(0, 0), cv::Point2f(320, 240), cv::Point2f(639, 479)}) {
+  for (const cv::Point2f centre :
+       {cv::Point2f(0, 0), cv::Point2f(320, 240), cv::Point2f(639, 479)}) {
     features.find(centre, 37.5F, 2, 4, found);
     std::vector<int> expected;
     for (int i = 0; i < features.size(); ++i) {
@@ -47,7 +49,8 @@ TEST(FrameFeatures, FindAgreesWithLookingAtEveryFeature) {
 
 TEST(FrameFeatures, DepthAndRightCoordinateOfAPlane) {
   const Camera camera = plain_camera();
-  const FrameFeatures features(random_features(50), cv::Mat(480, 640, CV_32F, cv::Scalar(2.0)), camera);
+  const FrameFeatures features(random_features(50), cv::Mat(480, 640, CV_32F, cv::Scalar(2.0)),
+                               camera);
   for (int i = 0; i < features.size(); ++i) {
     EXPECT_FLOAT_EQ(features.depth[i], 2.0F);
     EXPECT_NEAR(features.right_u(i, camera), features.pixel[i].x - 500.0 * 0.075 / 2.0, 1e-9);

@@ -69,7 +69,8 @@ TEST(OrbExtractor, FlatImageHasNoFeatures) {
 
 TEST(SpreadByQuadtree, KeepsTheStrongestOfAClump) {
   std::vector<cv::KeyPoint> keypoints;
-  for (int i = 0; i < 100; ++i) keypoints.emplace_back(10.0F + 0.01F * i, 10.0F, 7.0F, -1.0F, float(i));
+  for (int i = 0; i < 100; ++i)
+    keypoints.emplace_back(10.0F + 0.01F * i, 10.0F, 7.0F, -1.0F, float(i));
   keypoints.emplace_back(90.0F, 90.0F, 7.0F, -1.0F, 1.0F);
   const auto kept = spread_by_quadtree(keypoints, {0, 0, 100, 100}, 2);
   ASSERT_EQ(kept.size(), 2U);

@@ -17,13 +17,13 @@ std::vector<Node> split(const Node& node, const std::vector<cv::KeyPoint>& keypo
   const float middle_x = node.area.x + half_width, middle_y = node.area.y + half_height;
   std::vector<Node> quarters(4);
   for (int q = 0; q < 4; ++q) {
-    quarters[static_cast<std::size_t>(q)].area =
-        cv::Rect2f(q % 2 ? middle_x : node.area.x, q / 2 ? middle_y : node.area.y, half_width,
-                   half_height);
+    quarters[static_cast<std::size_t>(q)].area = cv::Rect2f(
+        q % 2 ? middle_x : node.area.x, q / 2 ? middle_y : node.area.y, half_width, half_height);
   }
   for (const int i : node.members) {
     const cv::Point2f& p = keypoints[static_cast<std::size_t>(i)].pt;
-    quarters[static_cast<std::size_t>((p.x >= middle_x) + 2 * (p.y >= middle_y))].members.push_back(i);
+    quarters[static_cast<std::size_t>((p.x >= middle_x) + 2 * (p.y >= middle_y))].members.push_back(
+        i);
   }
   std::erase_if(quarters, [](const Node& n) { return n.members.empty(); });
   return quarters;
@@ -40,11 +40,12 @@ std::vector<cv::KeyPoint> spread_by_quadtree(const std::vector<cv::KeyPoint>& ke
   nodes.resize(static_cast<std::size_t>(roots));
   const float root_width = area.width / static_cast<float>(roots);
   for (int r = 0; r < roots; ++r) {
-    nodes[static_cast<std::size_t>(r)].area = cv::Rect2f(
-        area.x + static_cast<float>(r) * root_width, area.y, root_width, area.height);
+    nodes[static_cast<std::size_t>(r)].area =
+        cv::Rect2f(area.x + static_cast<float>(r) * root_width, area.y, root_width, area.height);
   }
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const int r = std::clamp(static_cast<int>((keypoints[i].pt.x - area.x) / root_width), 0, roots - 1);
+    const int r =
+        std::clamp(static_cast<int>((keypoints[i].pt.x - area.x) / root_width), 0, roots - 1);
     nodes[static_cast<std::size_t>(r)].members.push_back(static_cast<int>(i));
   }
 

@@ -29,8 +29,8 @@ TEST(Camera, DistortAgreesWithOpenCv) {
   const Eigen::Vector3d point(-0.4, 0.3, 1.2);
   std::vector<cv::Point2d> expected;
   cv::projectPoints(std::vector<cv::Point3d>{{point.x(), point.y(), point.z()}}, cv::Vec3d(),
-                    cv::Vec3d(), camera.matrix(), cv::Vec<double, 5>(0.2624, -0.9531, -0.0054, 0.0026, 1.1633),
-                    expected);
+                    cv::Vec3d(), camera.matrix(),
+                    cv::Vec<double, 5>(0.2624, -0.9531, -0.0054, 0.0026, 1.1633), expected);
   const Eigen::Vector2d raw = camera.distort(camera.project(point));
   EXPECT_NEAR(raw.x(), expected[0].x, 1e-9);
   EXPECT_NEAR(raw.y(), expected[0].y, 1e-9);

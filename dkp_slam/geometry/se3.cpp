@@ -58,6 +58,8 @@ Vector6d Se3::log() const {
   return tangent;
 }
 
-double Se3::angle() const { return 2.0 * std::atan2(rotation.vec().norm(), std::abs(rotation.w())); }
+double Se3::angle() const {
+  return 2.0 * std::atan2(rotation.vec().norm(), std::abs(rotation.w()));
+}
 
 }  // namespace dkp_slam

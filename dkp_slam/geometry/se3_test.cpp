@@ -19,7 +19,8 @@ TEST(Se3, ExpOfPureTranslationIsThatTranslation) {
 TEST(Se3, QuarterTurnAboutZTakesXToY) {
   Vector6d tangent = Vector6d::Zero();
   tangent[5] = M_PI / 2;
-  EXPECT_TRUE((Se3::exp(tangent) * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitY(), 1e-12));
+  EXPECT_TRUE(
+      (Se3::exp(tangent) * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitY(), 1e-12));
 }
 
 TEST(Se3, ExpAgreesWithMatrixExponentialSeries) {

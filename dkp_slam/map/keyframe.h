@@ -15,11 +15,11 @@ struct Keyframe {
   double timestamp = 0.0;  ///< seconds
   Se3 camera_from_world;
   FrameFeatures features;
-  std::vector<int> landmarks;     ///< per feature, -1 for none
-  std::map<int, int> covisible;   ///< keyframe -> number of landmarks both see
-  int parent = -1;                ///< the keyframe it shared most landmarks with when added
-  bool removed = false;           ///< then only its pose, relative to its parent, is left
-  Se3 self_from_parent;           ///< valid once removed
+  std::vector<int> landmarks;    ///< per feature, -1 for none
+  std::map<int, int> covisible;  ///< keyframe -> number of landmarks both see
+  int parent = -1;               ///< the keyframe it shared most landmarks with when added
+  bool removed = false;          ///< then only its pose, relative to its parent, is left
+  Se3 self_from_parent;          ///< valid once removed
 };
 
 }  // namespace dkp_slam

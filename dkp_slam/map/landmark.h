@@ -18,14 +18,14 @@ struct Sighting {
 struct Landmark {
   int id = -1;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< world frame, metres
-  Descriptor descriptor{};   ///< the sightings' most typical one
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< mean viewing direction, unit length
+  Descriptor descriptor{};                             ///< the sightings' most typical one
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    ///< mean viewing direction, unit length
   /// Distances, metres, between which the pyramid's levels can show it.
   float min_distance = 0.0F, max_distance = 0.0F;
   std::vector<Sighting> sightings;  ///< ordered by keyframe
   int first_keyframe = -1;          ///< the one it was created by
-  int visible = 1;  ///< frames in whose view it lay
-  int found = 1;    ///< frames that matched it
+  int visible = 1;                  ///< frames in whose view it lay
+  int found = 1;                    ///< frames that matched it
   /// Running log-odds of being dynamic; see LandmarkBelief.
   float dynamic_log_odds = 0.0F;
   int replaced_by = -1;  ///< the landmark it was fused into
@@ -43,10 +43,10 @@ struct Landmark {
 /// How evidence from single frames adds up in a landmark's log-odds, so that one bad frame neither
 /// kills a good point nor keeps a bad one.
 struct LandmarkBelief {
-  float stayed = -0.3F;  ///< matched where it should be, and the feature called static
-  float doubted = -0.1F; ///< matched where it should be, but the feature called dynamic
-  float strayed = 0.2F;  ///< matched elsewhere: a wrong match more often than a motion
-  float moved = 0.9F;    ///< matched elsewhere, and the feature called dynamic
+  float stayed = -0.3F;   ///< matched where it should be, and the feature called static
+  float doubted = -0.1F;  ///< matched where it should be, but the feature called dynamic
+  float strayed = 0.2F;   ///< matched elsewhere: a wrong match more often than a motion
+  float moved = 0.9F;     ///< matched elsewhere, and the feature called dynamic
   float lowest = -2.5F, highest = 3.0F;  ///< bounds, so that a change of mind stays possible
   float dynamic_above = 1.5F;   ///< a landmark is dropped above it: at least two bad frames
   float trusted_below = -0.5F;  ///< and withstands a frame's verdict below it: two good frames

@@ -120,8 +120,9 @@ void Map::update_covisibility(int keyframe_id) {
   }
   for (const auto& [other, count] : k.covisible) keyframe(other).covisible.erase(keyframe_id);
   k.covisible.clear();
-  const auto best = std::max_element(shared.begin(), shared.end(),
-                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto best =
+      std::max_element(shared.begin(), shared.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
   for (auto it = shared.begin(); it != shared.end(); ++it) {
     if (it->second < least_shared && it != best) continue;
     k.covisible[it->first] = it->second;
@@ -138,6 +139,18 @@ std::vector<int> Map::best_covisible(int keyframe_id, int count) const {
   if (static_cast<int>(order.size()) > count) order.resize(static_cast<std::size_t>(count));
   std::vector<int> ids;
   for (const auto& [id, shared] : order) ids.push_back(id);
+  return ids;
+}
+
+std::vector<int> Map::landmarks_of(const std::vector<int>& keyframes) const {
+  std::vector<int> ids;
+  for (const int k : keyframes) {
+    for (const int l : keyframe(k).landmarks) {
+      if (l >= 0) ids.push_back(l);
+    }
+  }
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
 }
 

@@ -49,6 +49,9 @@ class Map {
   /// The keyframes that share most landmarks with this one, best first, at most `count`.
   std::vector<int> best_covisible(int keyframe, int count) const;
 
+  /// The landmarks that these keyframes see, each once, in the order of their ids.
+  std::vector<int> landmarks_of(const std::vector<int>& keyframes) const;
+
   /// Most typical descriptor, mean direction and distance range, from the present sightings.
   void refresh(int landmark);
   /// Pyramid level at which a landmark should appear from a distance, metres.

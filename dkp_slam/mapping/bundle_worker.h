@@ -10,8 +10,8 @@
 
 namespace dkp_slam {
 
-/// A thread that solves one bundle adjustment at a time. Problem and solution are values handed over
-/// under one mutex; nothing else is shared.
+/// A thread that solves one bundle adjustment at a time. Problem and solution are values handed
+/// over under one mutex; nothing else is shared.
 class BundleWorker {
  public:
   BundleWorker(const Camera& camera, const MeasurementModel& model);

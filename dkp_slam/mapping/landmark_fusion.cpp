@@ -8,9 +8,9 @@
 namespace dkp_slam {
 namespace {
 
-constexpr int neighbours = 8;       // keyframes
-constexpr int bits_apart = 50;      // descriptors of one landmark
-constexpr float radius_px = 3.0F;   // on level 0
+constexpr int neighbours = 8;      // keyframes
+constexpr int bits_apart = 50;     // descriptors of one landmark
+constexpr float radius_px = 3.0F;  // on level 0
 
 /// The keyframe's feature that shows the landmark, -1 for none.
 int find_in(const Map& map, const MeasurementModel& model, const Landmark& landmark,
@@ -19,25 +19,29 @@ int find_in(const Map& map, const MeasurementModel& model, const Landmark& landm
   const Eigen::Vector3d p = keyframe.camera_from_world * landmark.position;
   if (p.z() <= 0.0) return -1;
   const Eigen::Vector2d pixel = camera.project(p);
-  if (pixel.x() < 0.0 || pixel.y() < 0.0 || pixel.x() >= camera.width || pixel.y() >= camera.height) return -1;
+  if (pixel.x() < 0.0 || pixel.y() < 0.0 || pixel.x() >= camera.width || pixel.y() >= camera.height)
+    return -1;
   const Eigen::Vector3d ray = landmark.position - keyframe.camera_from_world.inverse().translation;
   const double distance = ray.norm();
   if (distance < 0.8 * landmark.min_distance || distance > 1.2 * landmark.max_distance) return -1;
   if (ray.dot(landmark.normal) < 0.5 * distance) return -1;
   const int level = map.predicted_level(landmark, distance);
   const FrameFeatures& features = keyframe.features;
-  features.find(cv::Point2f(float(pixel.x()), float(pixel.y())), radius_px * map.scale_of(level), level - 1,
-                level, candidates);
+  features.find(cv::Point2f(float(pixel.x()), float(pixel.y())), radius_px * map.scale_of(level),
+                level - 1, level, candidates);
   std::erase_if(candidates, [&](int c) {
     const Observation seen = observation_of(features, c, map, model);
-    if ((pixel - seen.pixel).squaredNorm() > model.pixel_chi2 * seen.pixel_sigma * seen.pixel_sigma) return true;
-    return seen.depth > 0.0 && std::abs(seen.depth - p.z()) > 0.05 + 4.0 * model.depth_sigma(camera, p.z());
+    if ((pixel - seen.pixel).squaredNorm() > model.pixel_chi2 * seen.pixel_sigma * seen.pixel_sigma)
+      return true;
+    return seen.depth > 0.0 &&
+           std::abs(seen.depth - p.z()) > 0.05 + 4.0 * model.depth_sigma(camera, p.z());
   });
   const NearestTwo nearest = nearest_two(landmark.descriptor, features.descriptor, candidates);
   return nearest.best_distance <= bits_apart ? nearest.best : -1;
 }
 
-void fuse_into(Map& map, const MeasurementModel& model, const std::vector<int>& landmarks, int keyframe) {
+void fuse_into(Map& map, const MeasurementModel& model, const std::vector<int>& landmarks,
+               int keyframe) {
   std::vector<int> candidates;
   for (const int id : landmarks) {
     const Landmark& landmark = map.landmark(id);
@@ -56,26 +60,12 @@ void fuse_into(Map& map, const MeasurementModel& model, const std::vector<int>& 
   }
 }
 
-std::vector<int> landmarks_of(const Map& map, int keyframe) {
-  std::vector<int> ids;
-  for (const int l : map.keyframe(keyframe).landmarks) {
-    if (l >= 0) ids.push_back(l);
-  }
-  return ids;
-}
-
 }  // namespace
 
 void fuse_with_neighbours(Map& map, const MeasurementModel& model, int keyframe) {
   const std::vector<int> others = map.best_covisible(keyframe, neighbours);
-  for (const int other : others) fuse_into(map, model, landmarks_of(map, keyframe), other);
-  std::vector<int> theirs;
-  for (const int other : others) {
-    for (const int l : landmarks_of(map, other)) theirs.push_back(l);
-  }
-  std::sort(theirs.begin(), theirs.end());
-  theirs.erase(std::unique(theirs.begin(), theirs.end()), theirs.end());
-  fuse_into(map, model, theirs, keyframe);
+  for (const int other : others) fuse_into(map, model, map.landmarks_of({keyframe}), other);
+  fuse_into(map, model, map.landmarks_of(others), keyframe);
 }
 
 }  // namespace dkp_slam

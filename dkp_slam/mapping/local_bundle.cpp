@@ -7,18 +7,6 @@
 namespace dkp_slam {
 namespace {
 
-std::vector<int> landmarks_of(const Map& map, const std::vector<int>& keyframes) {
-  std::vector<int> ids;
-  for (const int k : keyframes) {
-    for (const int l : map.keyframe(k).landmarks) {
-      if (l >= 0) ids.push_back(l);
-    }
-  }
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
-}
-
 /// Keyframes outside the window that see most of the landmarks, best first.
 std::vector<int> anchors_of(const Map& map, const std::vector<int>& window,
                             const std::vector<int>& landmarks, int count) {
@@ -36,8 +24,9 @@ std::vector<int> anchors_of(const Map& map, const std::vector<int>& window,
   return ids;
 }
 
-BundleProblem snapshot(const Map& map, const MeasurementModel& model, const std::vector<int>& moving,
-                       const std::vector<int>& fixed, const std::vector<int>& landmarks) {
+BundleProblem snapshot(const Map& map, const MeasurementModel& model,
+                       const std::vector<int>& moving, const std::vector<int>& fixed,
+                       const std::vector<int>& landmarks) {
   BundleProblem problem;
   std::vector<int> index(static_cast<std::size_t>(map.keyframe_ids()), -1);
   const auto add_pose = [&](int k, bool stays) {
@@ -66,7 +55,7 @@ BundleProblem local_bundle(const Map& map, const MeasurementModel& model, int ke
                            const LocalBundleOptions& options) {
   std::vector<int> window = map.best_covisible(keyframe, options.window - 1);
   window.push_back(keyframe);
-  const std::vector<int> landmarks = landmarks_of(map, window);
+  const std::vector<int> landmarks = map.landmarks_of(window);
   std::vector<int> fixed = anchors_of(map, window, landmarks, options.anchors);
   // Something must hold the map in place: without anchors, the oldest of the window.
   if (fixed.empty()) {
@@ -83,7 +72,7 @@ BundleProblem full_bundle(const Map& map, const MeasurementModel& model) {
     if (!map.keyframe(k).removed) all.push_back(k);
   }
   if (all.empty()) return {};
-  const std::vector<int> landmarks = landmarks_of(map, all);
+  const std::vector<int> landmarks = map.landmarks_of(all);
   return snapshot(map, model, {all.begin() + 1, all.end()}, {all.front()}, landmarks);
 }
 
@@ -99,8 +88,10 @@ void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& 
   }
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
     if (!solution.outlier[i]) continue;
-    const int landmark = problem.points[static_cast<std::size_t>(problem.sightings[i].point)].landmark;
-    const int keyframe = problem.poses[static_cast<std::size_t>(problem.sightings[i].pose)].keyframe;
+    const int landmark =
+        problem.points[static_cast<std::size_t>(problem.sightings[i].point)].landmark;
+    const int keyframe =
+        problem.poses[static_cast<std::size_t>(problem.sightings[i].pose)].keyframe;
     if (!map.landmark(landmark).removed && !map.keyframe(keyframe).removed) {
       map.remove_sighting(landmark, keyframe);
     }

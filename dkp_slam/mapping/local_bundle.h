@@ -6,8 +6,8 @@
 namespace dkp_slam {
 
 struct LocalBundleOptions {
-  int window = 16;  ///< keyframes that move: the newest and those that share most with it
-  int anchors = 24; ///< keyframes that stay: the others that see most of the same landmarks
+  int window = 16;   ///< keyframes that move: the newest and those that share most with it
+  int anchors = 24;  ///< keyframes that stay: the others that see most of the same landmarks
 };
 
 /// Snapshot of the map about a keyframe: it and its neighbours move, all else that sees their
@@ -18,8 +18,8 @@ BundleProblem local_bundle(const Map& map, const MeasurementModel& model, int ke
 /// Snapshot of the whole map; the first keyframe stays.
 BundleProblem full_bundle(const Map& map, const MeasurementModel& model);
 
-/// Carries a solution back: poses, positions, and outlier sightings removed. Keyframes and landmarks
-/// that have gone since are passed over.
+/// Carries a solution back: poses, positions, and outlier sightings removed. Keyframes and
+/// landmarks that have gone since are passed over.
 void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution);
 
 }  // namespace dkp_slam

@@ -25,7 +25,9 @@ void Mapper::insert_keyframe(Frame& frame) {
     feature_of_frame.push_back(i);
     int landmark = map_.resolve(frame.landmark[s]);
     // Two features may have come to one landmark when two were fused: the first keeps it.
-    if (std::find(keyframe.landmarks.begin(), keyframe.landmarks.end(), landmark) != keyframe.landmarks.end()) landmark = -1;
+    if (std::find(keyframe.landmarks.begin(), keyframe.landmarks.end(), landmark) !=
+        keyframe.landmarks.end())
+      landmark = -1;
     keyframe.landmarks.push_back(landmark);
   }
   const int id = map_.add_keyframe(std::move(keyframe));
@@ -86,7 +88,8 @@ void Mapper::cull_keyframes(int newest) {
       int others = 0;
       for (const Sighting& s : map_.landmark(k.landmarks[f]).sightings) {
         if (s.keyframe == id) continue;
-        const auto level = map_.keyframe(s.keyframe).features.level[static_cast<std::size_t>(s.feature)];
+        const auto level =
+            map_.keyframe(s.keyframe).features.level[static_cast<std::size_t>(s.feature)];
         if (level <= k.features.level[f] + 1 && ++others == 3) break;
       }
       redundant += others == 3;

@@ -15,8 +15,8 @@ struct MapperOptions {
   double redundant_share = 0.9;
   LocalBundleOptions local;
   BundleOptions bundle;
-  /// Frames from a keyframe until its bundle adjustment is carried back into the map. A fixed number
-  /// makes the result independent of how fast the machine is: who arrives early waits.
+  /// Frames from a keyframe until its bundle adjustment is carried back into the map. A fixed
+  /// number makes the result independent of how fast the machine is: who arrives early waits.
   int bundle_delay = 6;
   /// Carry a bundle adjustment back as soon as it is done instead, and never wait (--realtime).
   bool realtime = false;
@@ -36,7 +36,6 @@ class Mapper {
   bool adjusting() const { return worker_.pending(); }
   /// Waits for what is under way, then adjusts the whole map once more.
   void finish(bool full_adjustment);
-
 
  private:
   void create_landmarks(Frame& frame, int keyframe, const std::vector<int>& feature_of_frame);

@@ -163,10 +163,12 @@ class Round {
     int free_poses = 0;
     for (const auto& p : problem_.poses) free_poses += !p.fixed;
     constexpr int dense_limit = 60;  // poses; above, the reduced system is sparse enough to gain
-    options.linear_solver_type = free_poses <= dense_limit ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    options.linear_solver_type =
+        free_poses <= dense_limit ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
     for (auto& p : state_.points) {
-      if (ceres_.HasParameterBlock(p.position.data())) ordering->AddElementToGroup(p.position.data(), 0);
+      if (ceres_.HasParameterBlock(p.position.data()))
+        ordering->AddElementToGroup(p.position.data(), 0);
     }
     for (auto& p : poses_) {
       if (ceres_.HasParameterBlock(p.data())) ordering->AddElementToGroup(p.data(), 1);
@@ -176,7 +178,8 @@ class Round {
     options.callbacks.push_back(&callback);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &ceres_, &summary);
-    for (std::size_t i = 0; i < poses_.size(); ++i) state_.poses[i].camera_from_world = pose_of(poses_[i]);
+    for (std::size_t i = 0; i < poses_.size(); ++i)
+      state_.poses[i].camera_from_world = pose_of(poses_[i]);
     return summary.IsSolutionUsable();
   }
 
@@ -208,13 +211,12 @@ class Round {
   ceres::Problem ceres_;
 };
 
-void mark_outliers(const Camera& camera, const MeasurementModel& model, const BundleProblem& problem,
-                   BundleSolution& solution) {
+void mark_outliers(const Camera& camera, const MeasurementModel& model,
+                   const BundleProblem& problem, BundleSolution& solution) {
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
     const auto& s = problem.sightings[i];
-    const Eigen::Vector3d p =
-        solution.poses[static_cast<std::size_t>(s.pose)].camera_from_world *
-        solution.points[static_cast<std::size_t>(s.point)].position;
+    const Eigen::Vector3d p = solution.poses[static_cast<std::size_t>(s.pose)].camera_from_world *
+                              solution.points[static_cast<std::size_t>(s.point)].position;
     const double chi2 = p.z() < behind ? INFINITY
                                        : (camera.project(p) - s.seen.pixel).squaredNorm() /
                                              (s.seen.pixel_sigma * s.seen.pixel_sigma);

@@ -61,7 +61,8 @@ TEST(BundleAdjustment, FindsTheWrongSightings) {
     truth.problem.sightings[i].seen.pixel.x() += 25.0;
   }
   const BundleSolution s = adjust_bundle(scene.camera, {}, truth.problem, {30, true});
-  for (std::size_t i = 0; i < s.outlier.size(); ++i) EXPECT_EQ(bool(s.outlier[i]), i % 17 == 0) << i;
+  for (std::size_t i = 0; i < s.outlier.size(); ++i)
+    EXPECT_EQ(bool(s.outlier[i]), i % 17 == 0) << i;
   for (int k = 0; k < 6; ++k) {
     EXPECT_LT((s.poses[k].camera_from_world * truth.poses[k].inverse()).log().norm(), 1e-3);
   }
@@ -72,7 +73,8 @@ TEST(BundleAdjustment, SameProblemSameBits) {
   Truth truth = disturbed(scene);
   const BundleSolution a = adjust_bundle(scene.camera, {}, truth.problem);
   const BundleSolution b = adjust_bundle(scene.camera, {}, truth.problem);
-  for (std::size_t i = 0; i < a.points.size(); ++i) EXPECT_EQ(a.points[i].position, b.points[i].position);
+  for (std::size_t i = 0; i < a.points.size(); ++i)
+    EXPECT_EQ(a.points[i].position, b.points[i].position);
 }
 
 TEST(BundleAdjustment, AskedToStopItSaysUnusable) {

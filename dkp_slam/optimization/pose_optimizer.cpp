@@ -40,7 +40,8 @@ class Problem {
            (o.seen.pixel_sigma * o.seen.pixel_sigma);
   }
 
-  void accumulate(const Se3& pose, const PoseObservation& o, bool robust, NormalEquations& sum) const {
+  void accumulate(const Se3& pose, const PoseObservation& o, bool robust,
+                  NormalEquations& sum) const {
     const Eigen::Vector3d p = pose * o.landmark;
     if (p.z() < behind) return;
     // Derivative of the camera point by a left perturbation of the pose: [I, -p x].
@@ -61,8 +62,8 @@ class Problem {
     const double sigma = model_.depth_sigma(camera_, o.seen.depth);
     const double rz = p.z() - o.seen.depth;
     const double z2 = rz * rz / (sigma * sigma);
-    // Depth stays robust in every round: a wrong reading at an edge leaves its pixel right. Cauchy's
-    // weight, because such readings are wrong by any amount.
+    // Depth stays robust in every round: a wrong reading at an edge leaves its pixel right.
+    // Cauchy's weight, because such readings are wrong by any amount.
     sum.add(jz, rz, 1.0 / (sigma * sigma * (1.0 + z2 / model_.depth_chi2)));
   }
 

@@ -19,8 +19,8 @@ struct PoseEstimate {
   int inliers = 0;
 };
 
-/// Pose-only bundle adjustment ("motion-only BA", Mur-Artal et al. 2015): Gauss-Newton on SE(3) over
-/// pixel and depth residuals with Huber's kernel, in rounds that drop and take back outliers.
+/// Pose-only bundle adjustment ("motion-only BA", Mur-Artal et al. 2015): Gauss-Newton on SE(3)
+/// over pixel and depth residuals with Huber's kernel, in rounds that drop and take back outliers.
 /// Written by hand rather than with Ceres: six unknowns and a few hundred residuals, three times a
 /// frame, where setting up a problem costs more than solving it.
 PoseEstimate optimize_pose(const Camera& camera, const MeasurementModel& model, const Se3& initial,

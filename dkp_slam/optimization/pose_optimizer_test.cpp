@@ -27,7 +27,10 @@ TEST(PoseOptimizer, WithoutDepthItStillSolves) {
     seen.push_back({p, scene.exact(truth, p)});
     seen.back().seen.depth = 0.0;
   }
-  EXPECT_LT((optimize_pose(scene.camera, {}, Se3(), seen).camera_from_world * truth.inverse()).log().norm(), 1e-7);
+  EXPECT_LT((optimize_pose(scene.camera, {}, Se3(), seen).camera_from_world * truth.inverse())
+                .log()
+                .norm(),
+            1e-7);
 }
 
 TEST(PoseOptimizer, AThirdOfWrongMatchesIsFoundAndLeftOut) {
@@ -37,7 +40,8 @@ TEST(PoseOptimizer, AThirdOfWrongMatchesIsFoundAndLeftOut) {
   std::uniform_real_distribution<double> off(20.0, 60.0);
   for (std::size_t i = 0; i < scene.points.size(); ++i) {
     seen.push_back({scene.points[i], scene.exact(truth, scene.points[i])});
-    if (i % 3 == 0) seen.back().seen.pixel += Eigen::Vector2d(off(scene.random), -off(scene.random));
+    if (i % 3 == 0)
+      seen.back().seen.pixel += Eigen::Vector2d(off(scene.random), -off(scene.random));
   }
   const PoseEstimate e = optimize_pose(scene.camera, {}, Se3(), seen);
   EXPECT_LT((e.camera_from_world * truth.inverse()).log().norm(), 1e-6);

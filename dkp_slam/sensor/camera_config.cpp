@@ -172,7 +172,8 @@ void save_camera(const Camera& camera, const std::string& path) {
   line(fmt::format("max_depth: {}", camera.max_depth), "metres; farther readings are unknown");
   line(fmt::format("baseline: {}", camera.baseline), "metres, of the virtual right camera");
   line(fmt::format("frame_rate: {}", camera.frame_rate), "colour images per second");
-  line(fmt::format("readout: {}", camera.readout), "seconds from the first row to the last; 0: all at once");
+  line(fmt::format("readout: {}", camera.readout),
+       "seconds from the first row to the last; 0: all at once");
   text += "depth_noise:\n";
   line(fmt::format("  constant: {}", camera.depth_noise.constant), "metres");
   line(fmt::format("  quadratic: {}", camera.depth_noise.quadratic), "1/metre");

@@ -51,9 +51,9 @@ std::string with(const std::string& from, const std::string& to) {
 }
 
 TEST(CameraConfig, ReadsAllFields) {
-  const Camera camera =
-      load_camera(write(valid + "min_depth: 0.4\nmax_depth: 5\nbaseline: 0.05\nframe_rate: 15\nreadout: 0.03\n"
-                                "depth_noise:\n  constant: 0.002\n  quadratic: 0\n"));
+  const Camera camera = load_camera(
+      write(valid + "min_depth: 0.4\nmax_depth: 5\nbaseline: 0.05\nframe_rate: 15\nreadout: 0.03\n"
+                    "depth_noise:\n  constant: 0.002\n  quadratic: 0\n"));
   EXPECT_EQ(camera.name, "test");
   EXPECT_EQ(camera.width, 640);
   EXPECT_EQ(camera.height, 480);

@@ -3,7 +3,7 @@
 #include <spdlog/spdlog.h>
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/system/stopwatch.h"
+#include "dkp_slam/stopwatch.h"
 
 namespace dkp_slam {
 namespace {

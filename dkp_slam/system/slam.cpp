@@ -1,6 +1,6 @@
 #include "dkp_slam/system/slam.h"
 
-#include "dkp_slam/system/stopwatch.h"
+#include "dkp_slam/stopwatch.h"
 
 namespace dkp_slam {
 namespace {
@@ -67,7 +67,8 @@ void Slam::finish(bool hurry) { mapper_.finish(options_.final_adjustment && !hur
 Trajectory Slam::trajectory() const {
   Trajectory out;
   for (const TrackedPose& p : tracker_.poses()) {
-    const Se3 camera_from_world = p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe);
+    const Se3 camera_from_world =
+        p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe);
     out.push_back({p.timestamp, camera_from_world.inverse()});
   }
   return out;

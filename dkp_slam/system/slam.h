@@ -35,10 +35,11 @@ struct FrameReport {
   int features = 0;
   int removed_features = 0;  ///< called dynamic
   int tracked_landmarks = 0;
-  int detections = 0;        ///< in this frame, scores high enough to start an object
-  int compensated = 0;       ///< objects carried without a detection
+  int detections = 0;   ///< in this frame, scores high enough to start an object
+  int compensated = 0;  ///< objects carried without a detection
   bool keyframe = false;
-  double decode_ms = 0.0, feature_ms = 0.0, detection_ms = 0.0;  ///< in threads ahead of the tracker
+  double decode_ms = 0.0, feature_ms = 0.0,
+         detection_ms = 0.0;  ///< in threads ahead of the tracker
   double clustering_ms = 0.0, removal_ms = 0.0, tracking_ms = 0.0;
   double frame_ms = 0.0;  ///< from the last frame's end to this one's, all threads working
 };

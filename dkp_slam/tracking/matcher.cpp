@@ -83,7 +83,8 @@ std::vector<FrameMatch> match_last_frame(const Map& map, const Frame& last, cons
                                          float radius, const MatchOptions& options) {
   const Camera& camera = map.camera();
   const Se3 world_from_last = last.camera_from_world.inverse();
-  const Eigen::Vector3d motion = last.camera_from_world * frame.camera_from_world.inverse().translation;
+  const Eigen::Vector3d motion =
+      last.camera_from_world * frame.camera_from_world.inverse().translation;
   const bool forward = motion.z() > camera.baseline, backward = -motion.z() > camera.baseline;
   MatchTable table(frame.features.size());
   std::vector<int> candidates;
@@ -105,8 +106,9 @@ std::vector<FrameMatch> match_last_frame(const Map& map, const Frame& last, cons
     const Eigen::Vector2d pixel = camera.project(p);
     if (!in_image(camera, pixel)) continue;
     const int level = last.features.level[s];
-    frame.features.find(cv::Point2f(float(pixel.x()), float(pixel.y())), radius * map.scale_of(level),
-                        forward ? level : level - 1, backward ? level : level + 1, candidates);
+    frame.features.find(cv::Point2f(float(pixel.x()), float(pixel.y())),
+                        radius * map.scale_of(level), forward ? level : level - 1,
+                        backward ? level : level + 1, candidates);
     std::erase_if(candidates, [&](int c) { return !frame.is_static[static_cast<std::size_t>(c)]; });
     const NearestTwo nearest =
         nearest_two(last.features.descriptor[s], frame.features.descriptor, candidates);
@@ -148,7 +150,8 @@ std::vector<FrameMatch> match_visible(const Map& map, const Frame& frame,
   for (const VisibleLandmark& v : visible) {
     const Landmark& l = map.landmark(v.landmark);
     // The window of ORB-SLAM: narrow when seen straight on.
-    const float radius = radius_factor * (v.view_cosine > 0.998 ? 2.5F : 4.0F) * map.scale_of(v.level);
+    const float radius =
+        radius_factor * (v.view_cosine > 0.998 ? 2.5F : 4.0F) * map.scale_of(v.level);
     frame.features.find(cv::Point2f(float(v.pixel.x()), float(v.pixel.y())), radius, v.level - 1,
                         v.level, candidates);
     std::erase_if(candidates, [&](int c) {
@@ -162,7 +165,8 @@ std::vector<FrameMatch> match_visible(const Map& map, const Frame& frame,
     if (nearest.best < 0 || nearest.best_distance > options.loose) continue;
     const auto best = static_cast<std::size_t>(nearest.best);
     if (nearest.second >= 0 &&
-        frame.features.level[best] == frame.features.level[static_cast<std::size_t>(nearest.second)] &&
+        frame.features.level[best] ==
+            frame.features.level[static_cast<std::size_t>(nearest.second)] &&
         float(nearest.best_distance) > options.ratio_projection * float(nearest.second_distance)) {
       continue;
     }
@@ -184,7 +188,8 @@ std::vector<FrameMatch> match_keyframe(const Map& map, const Keyframe& keyframe,
     const NearestTwo nearest =
         nearest_two(keyframe.features.descriptor[f], frame.features.descriptor, candidates);
     if (nearest.best < 0 || nearest.best_distance > options.strict) continue;
-    if (float(nearest.best_distance) > options.ratio_brute_force * float(nearest.second_distance)) continue;
+    if (float(nearest.best_distance) > options.ratio_brute_force * float(nearest.second_distance))
+      continue;
     table.offer({nearest.best, id, map.landmark(id).position, nearest.best_distance},
                 keyframe.features.angle[f]);
   }

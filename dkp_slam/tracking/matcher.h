@@ -9,8 +9,8 @@ namespace dkp_slam {
 
 /// Descriptor distances, of 256 bits, as in ORB-SLAM.
 struct MatchOptions {
-  int loose = 100;  ///< where geometry already says where to look
-  int strict = 50;  ///< where it does not
+  int loose = 100;                ///< where geometry already says where to look
+  int strict = 50;                ///< where it does not
   float ratio_projection = 0.8F;  ///< best to second best, on the same level
   float ratio_brute_force = 0.75F;
 };
@@ -18,14 +18,14 @@ struct MatchOptions {
 /// A feature of the current frame and what it shows.
 struct FrameMatch {
   int feature = -1;
-  int landmark = -1;  ///< -1 for a temporary point of the last frame
+  int landmark = -1;         ///< -1 for a temporary point of the last frame
   Eigen::Vector3d position;  ///< world frame, metres
-  int distance = 0;   ///< of the descriptors
+  int distance = 0;          ///< of the descriptors
 };
 
 /// Matches the last frame's landmarks, and its points with depth that are no landmarks yet, to the
-/// current frame, where they should appear under `frame.camera_from_world`; `radius` is in pixels on
-/// level 0. Matches that turn against the majority's rotation are dropped.
+/// current frame, where they should appear under `frame.camera_from_world`; `radius` is in pixels
+/// on level 0. Matches that turn against the majority's rotation are dropped.
 std::vector<FrameMatch> match_last_frame(const Map& map, const Frame& last, const Frame& frame,
                                          float radius, const MatchOptions& options = {});
 
@@ -34,12 +34,12 @@ struct VisibleLandmark {
   int landmark = -1;
   Eigen::Vector2d pixel;
   int level = 0;
-  double depth = 0.0;     ///< metres along z
+  double depth = 0.0;  ///< metres along z
   double view_cosine = 1.0;
 };
 
-/// The landmarks that should be visible from the frame's pose: in the image, in the range of scales,
-/// seen from within 60 degrees of the mean direction.
+/// The landmarks that should be visible from the frame's pose: in the image, in the range of
+/// scales, seen from within 60 degrees of the mean direction.
 std::vector<VisibleLandmark> landmarks_in_view(const Map& map, const Frame& frame,
                                                const std::vector<int>& landmarks);
 

@@ -1,8 +1,8 @@
 #include "dkp_slam/tracking/relocalizer.h"
 
+#include <spdlog/spdlog.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
-#include <spdlog/spdlog.h>
 
 #include "dkp_slam/tracking/matcher.h"
 #include "dkp_slam/tracking/pose_refinement.h"
@@ -14,7 +14,8 @@ constexpr std::size_t least_matches = 15;  // worth a RANSAC
 constexpr int least_inliers = 30;          // after the guided search: a pose to trust
 constexpr int best_candidates = 5;         // keyframes that get a RANSAC
 
-/// A first pose from matches with many outliers. OpenCV seeds this RANSAC itself, the same each time.
+/// A first pose from matches with many outliers. OpenCV seeds this RANSAC itself, the same each
+/// time.
 bool solve_pnp(const Map& map, const std::vector<FrameMatch>& matches, Frame& frame) {
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> pixels;
@@ -25,7 +26,8 @@ bool solve_pnp(const Map& map, const std::vector<FrameMatch>& matches, Frame& fr
   cv::Mat rotation_vector, translation, inliers;
   constexpr double reprojection_bound = 4.0;  // pixels
   if (!cv::solvePnPRansac(points, pixels, map.camera().matrix(), cv::noArray(), rotation_vector,
-                          translation, false, 200, reprojection_bound, 0.99, inliers, cv::SOLVEPNP_EPNP)) {
+                          translation, false, 200, reprojection_bound, 0.99, inliers,
+                          cv::SOLVEPNP_EPNP)) {
     return false;
   }
   if (inliers.total() < 10) return false;
@@ -42,15 +44,7 @@ bool solve_pnp(const Map& map, const std::vector<FrameMatch>& matches, Frame& fr
 std::vector<int> landmarks_around(const Map& map, int keyframe) {
   std::vector<int> ids = map.best_covisible(keyframe, 10);
   ids.push_back(keyframe);
-  std::vector<int> landmarks;
-  for (const int k : ids) {
-    for (const int l : map.keyframe(k).landmarks) {
-      if (l >= 0) landmarks.push_back(l);
-    }
-  }
-  std::sort(landmarks.begin(), landmarks.end());
-  landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
-  return landmarks;
+  return map.landmarks_of(ids);
 }
 
 bool try_keyframe(const Map& map, const MeasurementModel& model, int keyframe,
@@ -58,20 +52,25 @@ bool try_keyframe(const Map& map, const MeasurementModel& model, int keyframe,
   if (!solve_pnp(map, matches, frame)) return false;
   if (refine_pose(map, model, frame, matches) < 10) return false;
   std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
-  for (const FrameMatch& m : matches) frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
+  for (const FrameMatch& m : matches)
+    frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
   std::vector<int> others;
   for (const int l : landmarks_around(map, keyframe)) {
-    if (std::find(frame.landmark.begin(), frame.landmark.end(), l) == frame.landmark.end()) others.push_back(l);
+    if (std::find(frame.landmark.begin(), frame.landmark.end(), l) == frame.landmark.end())
+      others.push_back(l);
   }
-  for (const FrameMatch& m : match_visible(map, frame, landmarks_in_view(map, frame, others), 3.0F)) {
+  for (const FrameMatch& m :
+       match_visible(map, frame, landmarks_in_view(map, frame, others), 3.0F)) {
     if (frame.is_static[static_cast<std::size_t>(m.feature)]) matches.push_back(m);
   }
   const int inliers = refine_pose(map, model, frame, matches);
   if (inliers < least_inliers) return false;
   std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
-  for (const FrameMatch& m : matches) frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
+  for (const FrameMatch& m : matches)
+    frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
   frame.reference_keyframe = keyframe;
-  spdlog::info("frame {}: relocalised in keyframe {} with {} landmarks", frame.index, keyframe, inliers);
+  spdlog::info("frame {}: relocalised in keyframe {} with {} landmarks", frame.index, keyframe,
+               inliers);
   return true;
 }
 
@@ -84,9 +83,8 @@ bool relocalize(const Map& map, const MeasurementModel& model, Frame& frame) {
     std::vector<FrameMatch> matches = match_keyframe(map, map.keyframe(k), frame);
     if (matches.size() >= least_matches) candidates.emplace_back(k, std::move(matches));
   }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.second.size() > b.second.size();
-  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
   if (candidates.size() > best_candidates) candidates.resize(best_candidates);
   for (auto& [keyframe, matches] : candidates) {
     if (try_keyframe(map, model, keyframe, std::move(matches), frame)) return true;

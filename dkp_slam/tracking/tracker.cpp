@@ -13,12 +13,14 @@ namespace {
 
 void assign(Frame& frame, const std::vector<FrameMatch>& matches) {
   std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
-  for (const FrameMatch& m : matches) frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
+  for (const FrameMatch& m : matches)
+    frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
 }
 
 }  // namespace
 
-Tracker::Tracker(Map& map, Mapper& mapper, const MeasurementModel& model, const TrackerOptions& options)
+Tracker::Tracker(Map& map, Mapper& mapper, const MeasurementModel& model,
+                 const TrackerOptions& options)
     : map_(map), mapper_(mapper), model_(model), options_(options) {}
 
 bool Tracker::track(Frame& frame) {
@@ -91,12 +93,12 @@ Se3 Tracker::predicted_motion(const Frame& frame) const {
   if (motion_time_ <= 0.0) return *frame.current_from_previous;
   // Nobody changes a camera's speed faster than that: else the flow was not that of the room.
   const Se3 change = *frame.current_from_previous * steady.inverse();
-  const bool plausible =
-      change.translation.norm() < options_.most_acceleration * passed * passed &&
-      change.angle() < options_.most_angular_acceleration * passed * passed;
+  const bool plausible = change.translation.norm() < options_.most_acceleration * passed * passed &&
+                         change.angle() < options_.most_angular_acceleration * passed * passed;
   if (plausible) return *frame.current_from_previous;
   // A guess from old motion runs away; after a few frames even a doubtful measurement is better.
-  return frame.timestamp - map_time_ < options_.longest_steady ? steady : *frame.current_from_previous;
+  return frame.timestamp - map_time_ < options_.longest_steady ? steady
+                                                               : *frame.current_from_previous;
 }
 
 bool Tracker::track_by_motion(Frame& frame) {
@@ -131,7 +133,8 @@ bool Tracker::carry_by_motion(Frame& frame) {
   frame.camera_from_world = predicted_motion(frame) * last_.camera_from_world;
   frame.reference_keyframe = last_.reference_keyframe;
   std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
-  spdlog::debug("frame {}: carried by its motion, {} landmarks tracked", frame.index, tracked_landmarks_);
+  spdlog::debug("frame {}: carried by its motion, {} landmarks tracked", frame.index,
+                tracked_landmarks_);
   tracked_landmarks_ = 0;
   return true;
 }
@@ -153,14 +156,14 @@ std::vector<int> Tracker::local_landmarks(Frame& frame) const {
     for (const Sighting& s : map_.landmark(l).sightings) ++votes[s.keyframe];
   }
   if (votes.empty()) votes[frame.reference_keyframe] = 1;
-  const auto best = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
-    return a.second < b.second;
-  });
+  const auto best = std::max_element(
+      votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   frame.reference_keyframe = best->first;
 
   std::vector<int> keyframes;
   for (const auto& [k, n] : votes) keyframes.push_back(k);
-  std::stable_sort(keyframes.begin(), keyframes.end(), [&](int a, int b) { return votes[a] > votes[b]; });
+  std::stable_sort(keyframes.begin(), keyframes.end(),
+                   [&](int a, int b) { return votes[a] > votes[b]; });
   for (std::size_t i = 0, direct = keyframes.size(); i < direct; ++i) {
     if (static_cast<int>(keyframes.size()) >= options_.local_keyframes) break;
     for (const int n : map_.best_covisible(keyframes[i], 10)) {
@@ -173,15 +176,7 @@ std::vector<int> Tracker::local_landmarks(Frame& frame) const {
     keyframes.resize(static_cast<std::size_t>(options_.local_keyframes));
   }
 
-  std::vector<int> landmarks;
-  for (const int k : keyframes) {
-    for (const int l : map_.keyframe(k).landmarks) {
-      if (l >= 0) landmarks.push_back(l);
-    }
-  }
-  std::sort(landmarks.begin(), landmarks.end());
-  landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
-  return landmarks;
+  return map_.landmarks_of(keyframes);
 }
 
 bool Tracker::track_local_map(Frame& frame) {
@@ -194,13 +189,15 @@ bool Tracker::track_local_map(Frame& frame) {
   std::vector<int> matched;
   for (const FrameMatch& m : matches) matched.push_back(m.landmark);
   std::sort(matched.begin(), matched.end());
-  std::erase_if(landmarks, [&](int l) { return std::binary_search(matched.begin(), matched.end(), l); });
+  std::erase_if(landmarks,
+                [&](int l) { return std::binary_search(matched.begin(), matched.end(), l); });
 
   const std::vector<VisibleLandmark> visible = landmarks_in_view(map_, frame, landmarks);
   for (const VisibleLandmark& v : visible) ++map_.landmark(v.landmark).visible;
   for (const int l : matched) ++map_.landmark(l).visible;
   constexpr float radius_factor = 3.0F;  // ORB-SLAM's for RGB-D
-  for (const FrameMatch& m : match_visible(map_, frame, visible, radius_factor)) matches.push_back(m);
+  for (const FrameMatch& m : match_visible(map_, frame, visible, radius_factor))
+    matches.push_back(m);
   const std::vector<FrameMatch> all_matches = matches;
   drop_dynamic(frame, matches);
   tracked_landmarks_ = refine_pose(map_, model_, frame, matches);
@@ -238,7 +235,8 @@ void Tracker::weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& 
 bool Tracker::keyframe_is_due(const Frame& frame) const {
   const auto room = std::count(frame.is_static.begin(), frame.is_static.end(), 1);
   if (room < options_.least_keyframe_features) return false;
-  if (!mapper_.adjusting() && frame.timestamp - keyframe_time_ >= options_.keyframe_interval) return true;
+  if (!mapper_.adjusting() && frame.timestamp - keyframe_time_ >= options_.keyframe_interval)
+    return true;
   const Keyframe& reference = map_.keyframe(frame.reference_keyframe);
   int reference_landmarks = 0;
   const std::size_t least_sightings = map_.live_keyframes() <= 2 ? 1 : 2;

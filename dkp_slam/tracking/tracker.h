@@ -93,10 +93,10 @@ class Tracker {
   TrackingState state_ = TrackingState::not_initialized;
   Frame last_;
   Se3 last_from_reference_;
-  Se3 motion_;               ///< camera at the last frame from camera at the one before
-  double motion_time_ = 0.0; ///< seconds that motion took; 0 when unknown
+  Se3 motion_;                ///< camera at the last frame from camera at the one before
+  double motion_time_ = 0.0;  ///< seconds that motion took; 0 when unknown
   double keyframe_time_ = 0.0;
-  double map_time_ = 0.0;    ///< of the last frame that was localised in the map
+  double map_time_ = 0.0;  ///< of the last frame that was localised in the map
   int tracked_landmarks_ = 0;
   std::vector<TrackedPose> poses_;
 };

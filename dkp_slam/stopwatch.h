@@ -8,7 +8,8 @@ namespace dkp_slam {
 class Stopwatch {
  public:
   double ms() const {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_)
+        .count();
   }
   /// Milliseconds so far; starts again.
   double lap_ms() {
