@@ -334,7 +334,7 @@ TEST_F(RealSlam, Freiburg1XyzPlain) {
       run(open("fr1_xyz", 250), nullptr, camera_of("fr1_xyz"), DynamicsMode::off);
   EXPECT_EQ(outcome.lost(), std::vector<int>());
   const auto error = absolute_error(read_trajectory(truth_of("fr1_xyz")), outcome.path);
-  EXPECT_LE(error.statistics.rmse, 0.0110);
+  EXPECT_LE(error.statistics.rmse, 0.0095);
   EXPECT_EQ(outcome.removed_share(), 0.0);
 }
 
@@ -350,15 +350,15 @@ TEST_F(RealSlam, FindsItsPlaceAgainAfterTheLensWasCovered) {
 }
 
 TEST_F(RealSlamWithYolox, Freiburg3WalkingHalfsphere) {
-  EXPECT_LE(error_with_yolox("fr3_walking_halfsphere_50"), 0.0175);
+  EXPECT_LE(error_with_yolox("fr3_walking_halfsphere_50"), 0.0130);
 }
 
 TEST_F(RealSlamWithYolox, CompositeWalking) {
-  EXPECT_LE(error_with_yolox("composite_xyz_walking"), 0.0150);
+  EXPECT_LE(error_with_yolox("composite_xyz_walking"), 0.0105);
 }
 
 TEST_F(RealSlamWithYolox, CompositeSitting) {
-  EXPECT_LE(error_with_yolox("composite_xyz_sitting"), 0.0120);
+  EXPECT_LE(error_with_yolox("composite_xyz_sitting"), 0.0100);
 }
 
 TEST_F(RealSlamWithYolox, RepeatsToTheByteAlsoOnABusyMachine) {
