@@ -64,8 +64,14 @@ struct DynamicsModule::State {
                        std::vector<std::uint8_t>& low);
   void judge_surfaces(const std::vector<cv::Point2f>& points, const FeatureMotion& found,
                       Scene& scene) const;
-  cv::Mat cut_masks(const RgbdFrame& frame, const DepthView& view,
-                    const std::vector<cv::Point2f>& points, const FeatureMotion& found);
+  std::optional<Scene> build_scene(const RgbdFrame& frame, const DepthView& view,
+                                   const FeatureMotion& found);
+  cv::Mat cut_masks(Scene& scene, double timestamp, const std::vector<cv::Point2f>& points,
+                    const FeatureMotion& found);
+  std::vector<FeatureEvidence> collect_evidence(const std::vector<cv::Point2f>& points,
+                                                const std::vector<ObjectRegions>& regions,
+                                                const cv::Mat& labels, const cv::Mat& mask,
+                                                const std::vector<float>& long_residual) const;
   bool cut_object(const Scene& scene, std::size_t index);
   cv::Mat people_cover() const;
   void add_moving_surfaces(const Scene& scene, double now);
@@ -238,11 +244,10 @@ cv::Mat DynamicsModule::State::people_cover() const {
   return too_much && cv::countNonZero(silhouettes) > 0 ? silhouettes : boxes;
 }
 
-/// Cuts every object's mask; returns the labels, CV_8UC1 of the image's size.
-cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame, const DepthView& view,
-                                         const std::vector<cv::Point2f>& points,
-                                         const FeatureMotion& found) {
-  cv::Mat labels = cv::Mat::zeros(frame.depth.size(), CV_8UC1);
+/// The surroundings for cutting masks out; none when there is nobody to cut out.
+std::optional<Scene> DynamicsModule::State::build_scene(const RgbdFrame& frame,
+                                                        const DepthView& view,
+                                                        const FeatureMotion& found) {
   cv::Mat covered = people_cover();
   const bool people = !covered.empty();
   if (!people) covered = cv::Mat::zeros(rays.size(), CV_8UC1);
@@ -250,17 +255,25 @@ cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame, const DepthView
                                     [&](float r) { return r > options.removal.moving_short; });
   const bool with_motion = options.mode == DynamicsMode::dkp_plus;
   if (!people && (!with_motion || movers < options.removal.moving_surface_points)) {
-    return labels;
+    return std::nullopt;
   }
   room.update(view, fit_planes(view, covered, options.clustering.planes, frame_seed),
               frame.timestamp);
-  Scene scene = make_scene(view, camera.fx, room.planes(), options.clustering, frame_seed);
+  return make_scene(view, camera.fx, room.planes(), options.clustering, frame_seed);
+}
+
+/// Cuts every object's mask; returns the labels, CV_8UC1 of the image's size.
+cv::Mat DynamicsModule::State::cut_masks(Scene& scene, double timestamp,
+                                         const std::vector<cv::Point2f>& points,
+                                         const FeatureMotion& found) {
+  cv::Mat labels = cv::Mat::zeros(camera.height, camera.width, CV_8UC1);
+  const bool with_motion = options.mode == DynamicsMode::dkp_plus;
   if (with_motion) judge_surfaces(points, found, scene);
   std::vector<bool> gone(tracker.objects().size(), false);
   for (std::size_t o = 0; o < gone.size(); ++o) gone[o] = !cut_object(scene, o);
   tracker.remove(gone);
   tracker.drop_duplicates();
-  if (with_motion) add_moving_surfaces(scene, frame.timestamp);
+  if (with_motion) add_moving_surfaces(scene, timestamp);
   const auto& objects = tracker.objects();
   std::vector<std::size_t> order(objects.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -274,6 +287,30 @@ cv::Mat DynamicsModule::State::cut_masks(const RgbdFrame& frame, const DepthView
     paint_object(objects[i].mask, static_cast<std::uint8_t>(i + 1), labels);
   }
   return labels;
+}
+
+/// What `classify` needs to know of each feature beside its region; `mask` is empty or all objects.
+std::vector<FeatureEvidence> DynamicsModule::State::collect_evidence(
+    const std::vector<cv::Point2f>& points, const std::vector<ObjectRegions>& regions,
+    const cv::Mat& labels, const cv::Mat& mask, const std::vector<float>& long_residual) const {
+  std::vector<FeatureEvidence> evidence(points.size());
+  cv::Mat outline;
+  const int side = 2 * options.removal.mask_margin + 1;
+  if (!mask.empty()) {
+    cv::dilate(mask, outline, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto label = value_at<std::uint8_t>(labels, points[i]);
+    for (std::size_t o = 0; o < regions.size(); ++o) {
+      const bool belongs = label > 0 ? label == o + 1 : regions[o].box.contains(points[i]);
+      if (belongs) {
+        evidence[i].object_weight = std::max(evidence[i].object_weight, regions[o].weight);
+      }
+    }
+    evidence[i].at_outline = !outline.empty() && value_at<std::uint8_t>(outline, points[i]) != 0;
+    evidence[i].long_residual = long_residual[i];
+  }
+  return evidence;
 }
 
 DynamicsModule::DynamicsModule(const Camera& camera, const DynamicsOptions& options) {
@@ -323,7 +360,9 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   }
   result.removal_ms += watch.lap_ms();
 
-  const cv::Mat labels = s.cut_masks(frame, view, points, found);
+  std::optional<Scene> scene = s.build_scene(frame, view, found);
+  const cv::Mat labels = scene ? s.cut_masks(*scene, frame.timestamp, points, found)
+                               : cv::Mat(cv::Mat::zeros(size, CV_8UC1));
   s.previous_labels = labels;
   std::vector<ObjectRegions> regions;
   for (const auto& t : s.tracker.objects()) {
@@ -335,22 +374,9 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
 
   assign_regions(points, regions, labels, s.options.regions, result.features);
   s.measure_epipolar(found, result.features);
-  std::vector<FeatureEvidence> evidence(points.size());
-  cv::Mat outline;
-  const int side = 2 * s.options.removal.mask_margin + 1;
-  if (!result.mask.empty()) {
-    cv::dilate(result.mask, outline, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
-  }
+  const std::vector<FeatureEvidence> evidence =
+      s.collect_evidence(points, regions, labels, result.mask, found.long_residual);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto label = value_at<std::uint8_t>(labels, points[i]);
-    for (std::size_t o = 0; o < regions.size(); ++o) {
-      const bool belongs = label > 0 ? label == o + 1 : regions[o].box.contains(points[i]);
-      if (belongs) {
-        evidence[i].object_weight = std::max(evidence[i].object_weight, regions[o].weight);
-      }
-    }
-    evidence[i].at_outline = !outline.empty() && value_at<std::uint8_t>(outline, points[i]) != 0;
-    evidence[i].long_residual = found.long_residual[i];
     result.features[i].motion_residual = found.residual[i];
   }
   classify(s.options.mode, s.options.removal, evidence, result.features);

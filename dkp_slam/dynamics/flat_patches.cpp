@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <Eigen/Dense>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/dynamics/plane.h"
@@ -139,45 +140,61 @@ class PatchFinder {
   std::vector<Sample> samples_;
 };
 
+/// The flat patches of one segment, CV_8UC1 of its box's size; empty when there is none.
+cv::Mat patches_of(const DepthView& view, const SegmentMap& map, int label, int min_pixels,
+                   const FlatPatchOptions& options, std::uint64_t seed) {
+  const cv::Rect& box = map.segments[static_cast<std::size_t>(label - 1)].box;
+  PatchFinder finder(view, map, label, options, seed);
+  cv::Mat out;
+  constexpr int pixels_per_sample = 9;
+  for (int n = 0; n < options.max_per_segment; ++n) {
+    const auto plane = finder.best(std::max(8, min_pixels / pixels_per_sample));
+    if (!plane) break;
+    if (out.empty()) out = cv::Mat::zeros(box.size(), CV_8UC1);
+    cv::Mat patch = cv::Mat::zeros(box.size(), CV_8UC1);
+    for (int y = 0; y < box.height; ++y) {
+      for (int x = 0; x < box.width; ++x) {
+        const cv::Point p = cv::Point(x, y) + box.tl();
+        if (map.labels.at<int>(p) != label || !finder.holds(*plane, view.point(p.x, p.y))) continue;
+        patch.at<std::uint8_t>(y, x) = 255;
+      }
+    }
+    // Where a plane cuts through a body it leaves stripes: the opening drops them.
+    cv::Mat core, labels, stats, centroids;
+    const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {7, 7});
+    cv::morphologyEx(patch, core, cv::MORPH_OPEN, square);
+    const int blobs = cv::connectedComponentsWithStats(core, labels, stats, centroids, 8, CV_16U);
+    for (int b = 1; b < blobs; ++b) {
+      if (stats.at<int>(b, cv::CC_STAT_AREA) < min_pixels) continue;
+      cv::Mat blob = labels == b;
+      cv::dilate(blob, blob, cv::getStructuringElement(cv::MORPH_RECT, {5, 5}));
+      out.setTo(255, blob);
+    }
+    finder.forget(*plane);
+  }
+  return out;
+}
+
 }  // namespace
 
 cv::Mat find_flat_patches(const DepthView& view, const SegmentMap& map, double focal_length,
                           const FlatPatchOptions& options, std::uint64_t seed) {
-  cv::Mat out = cv::Mat::zeros(view.depth.size(), CV_8UC1);
-  for (std::size_t i = 0; i < map.segments.size(); ++i) {
-    const Segment& s = map.segments[i];
-    const double z = static_cast<double>(s.mean_depth);
-    const double pixel_side = z * DepthView::step / focal_length;
-    const auto min_pixels = static_cast<int>(options.min_area / (pixel_side * pixel_side));
-    if (z > options.max_depth || s.area < 2 * min_pixels) continue;
-    const int label = static_cast<int>(i) + 1;
-    PatchFinder finder(view, map, label, options, seed + i);
-    constexpr int pixels_per_sample = 9;
-    for (int n = 0; n < options.max_per_segment; ++n) {
-      const auto plane = finder.best(std::max(8, min_pixels / pixels_per_sample));
-      if (!plane) break;
-      cv::Mat patch = cv::Mat::zeros(s.box.size(), CV_8UC1);
-      for (int y = 0; y < s.box.height; ++y) {
-        for (int x = 0; x < s.box.width; ++x) {
-          const cv::Point p = cv::Point(x, y) + s.box.tl();
-          if (map.labels.at<int>(p) != label || !finder.holds(*plane, view.point(p.x, p.y)))
-            continue;
-          patch.at<std::uint8_t>(y, x) = 255;
-        }
-      }
-      // Where a plane cuts through a body it leaves stripes: the opening drops them.
-      cv::Mat core, labels, stats, centroids;
-      const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {7, 7});
-      cv::morphologyEx(patch, core, cv::MORPH_OPEN, square);
-      const int blobs = cv::connectedComponentsWithStats(core, labels, stats, centroids, 8, CV_16U);
-      for (int b = 1; b < blobs; ++b) {
-        if (stats.at<int>(b, cv::CC_STAT_AREA) < min_pixels) continue;
-        cv::Mat blob = labels == b;
-        cv::dilate(blob, blob, cv::getStructuringElement(cv::MORPH_RECT, {5, 5}));
-        out(s.box).setTo(255, blob);
-      }
-      finder.forget(*plane);
+  std::vector<cv::Mat> patches(map.segments.size());
+  // Each segment has its own seed and place for the result: the threads' order does not matter.
+  cv::parallel_for_({0, static_cast<int>(patches.size())}, [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      const Segment& s = map.segments[static_cast<std::size_t>(i)];
+      const double z = static_cast<double>(s.mean_depth);
+      const double pixel_side = z * DepthView::step / focal_length;
+      const auto min_pixels = static_cast<int>(options.min_area / (pixel_side * pixel_side));
+      if (z > options.max_depth || s.area < 2 * min_pixels) continue;
+      patches[static_cast<std::size_t>(i)] =
+          patches_of(view, map, i + 1, min_pixels, options, seed + static_cast<std::uint64_t>(i));
     }
+  });
+  cv::Mat out = cv::Mat::zeros(view.depth.size(), CV_8UC1);
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    if (!patches[i].empty()) out(map.segments[i].box) |= patches[i];
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include <random>
 
 #include <Eigen/Dense>
+#include <opencv2/core/utility.hpp>
 
 namespace dkp_slam {
 namespace {
@@ -156,22 +157,24 @@ cv::Mat plane_pixels(const DepthView& view, const std::vector<Plane>& planes, co
   const cv::Rect inside = area & cv::Rect(0, 0, out.cols, out.rows);
   const auto constant = static_cast<float>(options.thickness_constant + options.removal_margin);
   const auto quadratic = static_cast<float>(options.thickness_quadratic);
-  for (const Plane& plane : planes) {
-    for (int y = inside.y; y < inside.y + inside.height; ++y) {
-      const auto* ray = view.rays.ptr<cv::Vec2f>(y);
-      const float* z = view.depth.ptr<float>(y);
-      auto* on = out.ptr<std::uint8_t>(y);
-      for (int x = inside.x; x < inside.x + inside.width; ++x) {
-        // Most pixels are far from the plane: this sorts them out at the least cost.
-        const float off =
-            (plane.normal.x() * ray[x][0] + plane.normal.y() * ray[x][1] + plane.normal.z()) *
-                z[x] -
-            plane.distance;
-        if (on[x] != 0 || std::abs(off) >= constant + quadratic * z[x] * z[x]) continue;
-        if (runs_along(view, plane, x, y, options)) on[x] = 255;
-      }
+  const auto mark_row = [&](const Plane& plane, int y) {
+    const auto* ray = view.rays.ptr<cv::Vec2f>(y);
+    const float* z = view.depth.ptr<float>(y);
+    auto* on = out.ptr<std::uint8_t>(y);
+    for (int x = inside.x; x < inside.x + inside.width; ++x) {
+      // Most pixels are far from the plane: this sorts them out at the least cost.
+      const float off =
+          (plane.normal.x() * ray[x][0] + plane.normal.y() * ray[x][1] + plane.normal.z()) * z[x] -
+          plane.distance;
+      if (on[x] != 0 || std::abs(off) >= constant + quadratic * z[x] * z[x]) continue;
+      if (runs_along(view, plane, x, y, options)) on[x] = 255;
     }
-  }
+  };
+  cv::parallel_for_({inside.y, inside.y + inside.height}, [&](const cv::Range& rows) {
+    for (const Plane& plane : planes) {
+      for (int y = rows.start; y < rows.end; ++y) mark_row(plane, y);
+    }
+  });
   return out;
 }
 
