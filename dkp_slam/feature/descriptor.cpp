@@ -1,24 +1,9 @@
 #include "dkp_slam/feature/descriptor.h"
 
+#include "dkp_slam/feature/popcount.h"
+
 namespace dkp_slam {
 namespace {
-
-// The popcnt instruction is not in the x86-64 baseline, and without it a distance costs five times
-// as much; so the loops exist twice and are chosen once, at run time.
-#if defined(__x86_64__)
-#define DKP_SLAM_POPCNT __attribute__((target("popcnt")))
-#else
-#define DKP_SLAM_POPCNT
-#endif
-
-bool have_popcnt() {
-#if defined(__x86_64__)
-  static const bool have = __builtin_cpu_supports("popcnt") != 0;
-  return have;
-#else
-  return true;
-#endif
-}
 
 int portable_distance(const Descriptor& a, const Descriptor& b) {
   int sum = 0;

@@ -8,8 +8,9 @@
 
 namespace dkp_slam {
 
-Mapper::Mapper(Map& map, const MeasurementModel& model, const MapperOptions& options)
-    : map_(map), model_(model), options_(options), worker_(map.camera(), model) {}
+Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
+               const MapperOptions& options)
+    : map_(map), places_(places), model_(model), options_(options), worker_(map.camera(), model) {}
 
 void Mapper::insert_keyframe(Frame& frame) {
   if (worker_.pending()) carry_back();
@@ -38,6 +39,7 @@ void Mapper::insert_keyframe(Frame& frame) {
   fuse_with_neighbours(map_, model_, id);
   map_.update_covisibility(id);
   cull_keyframes(id);
+  places_.add_keyframe(map_, id);
   if (map_.live_keyframes() < 2) return;
   under_way_ = local_bundle(map_, model_, id, options_.local);
   due_frame_ = frame.index + options_.bundle_delay;

@@ -3,6 +3,7 @@
 #include <deque>
 #include <optional>
 
+#include "dkp_slam/loop/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/mapping/bundle_worker.h"
 #include "dkp_slam/mapping/local_bundle.h"
@@ -26,7 +27,7 @@ struct MapperOptions {
 /// thread. Called by the tracking thread alone.
 class Mapper {
  public:
-  Mapper(Map& map, const MeasurementModel& model, const MapperOptions& options);
+  Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model, const MapperOptions& options);
 
   /// Makes the frame a keyframe; the frame gets the new landmarks' ids and its reference keyframe.
   void insert_keyframe(Frame& frame);
@@ -44,6 +45,7 @@ class Mapper {
   void carry_back();
 
   Map& map_;
+  PlaceIndex& places_;
   const MeasurementModel model_;
   const MapperOptions options_;
   BundleWorker worker_;

@@ -17,7 +17,8 @@ using testing::pose_distance;
 struct Mapping : ::testing::Test {
   PointWorld world{300};
   Map map{world.camera, 1.2F, 8};
-  Mapper mapper{map, MeasurementModel(), MapperOptions()};
+  PlaceIndex places;
+  Mapper mapper{map, places, MeasurementModel(), MapperOptions()};
   std::vector<int> points;
 
   /// A frame that has been tracked: it knows the landmarks of its points.

@@ -5,7 +5,8 @@
 namespace dkp_slam {
 namespace {
 
-DynamicsOptions with_seed(DynamicsOptions options, std::uint64_t seed) {
+template <class Options>
+Options with_seed(Options options, std::uint64_t seed) {
   options.seed = seed;
   return options;
 }
@@ -20,8 +21,9 @@ MapperOptions with_realtime(MapperOptions options, bool realtime) {
 Slam::Slam(const SlamOptions& options)
     : options_(options),
       map_(options.camera, options.orb.scale, options.orb.levels),
-      mapper_(map_, options.measurement, with_realtime(options.mapper, options.realtime)),
-      tracker_(map_, mapper_, options.measurement, options.tracker),
+      mapper_(map_, places_, options.measurement, with_realtime(options.mapper, options.realtime)),
+      tracker_(map_, places_, mapper_, options.measurement,
+               with_seed(options.tracker, options.seed)),
       dynamics_(options.camera, with_seed(options.dynamics, options.seed)) {}
 
 FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_out) {

@@ -7,6 +7,7 @@
 
 #include "dkp_slam/dynamics/dynamics_module.h"
 #include "dkp_slam/geometry/stamped_pose.h"
+#include "dkp_slam/loop/place_index.h"
 #include "dkp_slam/mapping/mapper.h"
 #include "dkp_slam/system/front_end.h"
 #include "dkp_slam/tracking/tracker.h"
@@ -66,6 +67,7 @@ class Slam {
  private:
   const SlamOptions options_;
   Map map_;
+  PlaceIndex places_;  // follows the map's locking rule: the tracking thread's alone
   Mapper mapper_;
   Tracker tracker_;
   DynamicsModule dynamics_;

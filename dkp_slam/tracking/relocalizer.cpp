@@ -1,73 +1,74 @@
 #include "dkp_slam/tracking/relocalizer.h"
 
-#include <spdlog/spdlog.h>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/core/eigen.hpp>
+#include <algorithm>
 
+#include <spdlog/spdlog.h>
+
+#include "dkp_slam/loop/alignment.h"
 #include "dkp_slam/tracking/matcher.h"
 #include "dkp_slam/tracking/pose_refinement.h"
 
 namespace dkp_slam {
 namespace {
 
-constexpr std::size_t least_matches = 15;  // worth a RANSAC
-constexpr int least_inliers = 30;          // after the guided search: a pose to trust
-constexpr int best_candidates = 5;         // keyframes that get a RANSAC
+constexpr std::size_t least_matches = 15;   // worth a RANSAC
+constexpr int least_aligned = 10;           // matches that agree on a pose
+constexpr int least_inliers = 30;           // after the guided search: a pose to trust
+constexpr std::size_t most_candidates = 5;  // keyframes that get a RANSAC
 
-/// A first pose from matches with many outliers. OpenCV seeds this RANSAC itself, the same each
-/// time.
-bool solve_pnp(const Map& map, const std::vector<FrameMatch>& matches, Frame& frame) {
-  std::vector<cv::Point3d> points;
-  std::vector<cv::Point2d> pixels;
+/// A first pose from matches with many outliers, which are erased.
+bool align(const Map& map, const MeasurementModel& model, std::uint64_t seed,
+           std::vector<FrameMatch>& matches, Frame& frame) {
+  std::vector<PoseObservation> observations;
   for (const FrameMatch& m : matches) {
-    points.emplace_back(m.position.x(), m.position.y(), m.position.z());
-    pixels.push_back(frame.features.pixel[static_cast<std::size_t>(m.feature)]);
+    observations.push_back({m.position, observation_of(frame.features, m.feature, map, model)});
   }
-  cv::Mat rotation_vector, translation, inliers;
-  constexpr double reprojection_bound = 4.0;  // pixels
-  if (!cv::solvePnPRansac(points, pixels, map.camera().matrix(), cv::noArray(), rotation_vector,
-                          translation, false, 200, reprojection_bound, 0.99, inliers,
-                          cv::SOLVEPNP_EPNP)) {
-    return false;
+  AlignmentOptions options;
+  options.least_inliers = least_aligned;
+  options.seed = seed;
+  const auto alignment = align_camera(map.camera(), model, observations, options);
+  if (!alignment) return false;
+  frame.camera_from_world = alignment->camera_from_world;
+  std::vector<FrameMatch> kept;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    if (alignment->inlier[i]) kept.push_back(matches[i]);
   }
-  if (inliers.total() < 10) return false;
-  cv::Mat rotation;
-  cv::Rodrigues(rotation_vector, rotation);
-  Eigen::Matrix3d r;
-  Eigen::Vector3d t;
-  cv::cv2eigen(rotation, r);
-  cv::cv2eigen(translation, t);
-  frame.camera_from_world = Se3(Eigen::Quaterniond(r).normalized(), t);
-  return true;
+  matches = std::move(kept);
+  return refine_pose(map, model, frame, matches) >= least_aligned;
 }
 
-std::vector<int> landmarks_around(const Map& map, int keyframe) {
-  std::vector<int> ids = map.best_covisible(keyframe, 10);
-  ids.push_back(keyframe);
-  return map.landmarks_of(ids);
-}
-
-bool try_keyframe(const Map& map, const MeasurementModel& model, int keyframe,
-                  std::vector<FrameMatch> matches, Frame& frame) {
-  if (!solve_pnp(map, matches, frame)) return false;
-  if (refine_pose(map, model, frame, matches) < 10) return false;
+void assign(const std::vector<FrameMatch>& matches, Frame& frame) {
   std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
   for (const FrameMatch& m : matches)
     frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
-  std::vector<int> others;
-  for (const int l : landmarks_around(map, keyframe)) {
-    if (std::find(frame.landmark.begin(), frame.landmark.end(), l) == frame.landmark.end())
-      others.push_back(l);
+}
+
+/// Landmarks of the keyframes around one that the frame does not have yet.
+std::vector<int> further_landmarks(const Map& map, int keyframe, const Frame& frame) {
+  std::vector<int> ids = map.best_covisible(keyframe, 10);
+  ids.push_back(keyframe);
+  std::vector<int> known = frame.landmark, others;
+  std::sort(known.begin(), known.end());
+  for (const int l : map.landmarks_of(ids)) {
+    if (!std::binary_search(known.begin(), known.end(), l)) others.push_back(l);
   }
+  return others;
+}
+
+bool try_keyframe(const Map& map, const MeasurementModel& model, std::uint64_t seed, int keyframe,
+                  Frame& frame) {
+  std::vector<FrameMatch> matches = match_keyframe(map, map.keyframe(keyframe), frame);
+  if (matches.size() < least_matches) return false;
+  if (!align(map, model, seed, matches, frame)) return false;
+  assign(matches, frame);
+  const std::vector<int> others = further_landmarks(map, keyframe, frame);
   for (const FrameMatch& m :
        match_visible(map, frame, landmarks_in_view(map, frame, others), 3.0F)) {
     if (frame.is_static[static_cast<std::size_t>(m.feature)]) matches.push_back(m);
   }
   const int inliers = refine_pose(map, model, frame, matches);
   if (inliers < least_inliers) return false;
-  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
-  for (const FrameMatch& m : matches)
-    frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
+  assign(matches, frame);
   frame.reference_keyframe = keyframe;
   spdlog::info("frame {}: relocalised in keyframe {} with {} landmarks", frame.index, keyframe,
                inliers);
@@ -76,20 +77,17 @@ bool try_keyframe(const Map& map, const MeasurementModel& model, int keyframe,
 
 }  // namespace
 
-bool relocalize(const Map& map, const MeasurementModel& model, Frame& frame) {
-  std::vector<std::pair<int, std::vector<FrameMatch>>> candidates;
-  for (int k = map.keyframe_ids() - 1; k >= 0; --k) {
-    if (map.keyframe(k).removed) continue;
-    std::vector<FrameMatch> matches = match_keyframe(map, map.keyframe(k), frame);
-    if (matches.size() >= least_matches) candidates.emplace_back(k, std::move(matches));
-  }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
-  if (candidates.size() > best_candidates) candidates.resize(best_candidates);
-  for (auto& [keyframe, matches] : candidates) {
-    if (try_keyframe(map, model, keyframe, std::move(matches), frame)) return true;
+bool relocalize(const Map& map, const PlaceIndex& places, const MeasurementModel& model,
+                std::uint64_t seed, Frame& frame) {
+  std::vector<Descriptor> descriptors;
+  for (std::size_t i = 0; i < frame.features.descriptor.size(); ++i) {
+    if (frame.is_static[i]) descriptors.push_back(frame.features.descriptor[i]);
   }
   std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  for (const PlaceCandidate& c : places.query(map, descriptors, most_candidates)) {
+    if (try_keyframe(map, model, seed, c.keyframe, frame)) return true;
+    std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  }
   return false;
 }
 

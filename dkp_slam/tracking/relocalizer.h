@@ -1,14 +1,19 @@
 #pragma once
 
+#include <cstdint>
+
+#include "dkp_slam/loop/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/optimization/observation.h"
 #include "dkp_slam/tracking/frame.h"
 
 namespace dkp_slam {
 
-/// Finds the pose of a frame in the map without a guess: descriptors against every keyframe in
-/// turn, newest first, PnP with RANSAC on the best, refinement, and a guided search for more. On
-/// success sets the frame's pose, landmarks and reference keyframe and returns true.
-bool relocalize(const Map& map, const MeasurementModel& model, Frame& frame);
+/// Finds the pose of a frame in the map without a guess: keyframes that look like it from the
+/// index, matches by descriptor, 3-D to 3-D RANSAC, refinement, and a guided search for more. On
+/// success sets the frame's pose, landmarks and reference keyframe and returns true; else its pose
+/// means nothing and it has no landmarks. Repeats exactly for the same seed.
+bool relocalize(const Map& map, const PlaceIndex& places, const MeasurementModel& model,
+                std::uint64_t seed, Frame& frame);
 
 }  // namespace dkp_slam

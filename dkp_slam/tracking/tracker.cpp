@@ -19,9 +19,9 @@ void assign(Frame& frame, const std::vector<FrameMatch>& matches) {
 
 }  // namespace
 
-Tracker::Tracker(Map& map, Mapper& mapper, const MeasurementModel& model,
+Tracker::Tracker(Map& map, const PlaceIndex& places, Mapper& mapper, const MeasurementModel& model,
                  const TrackerOptions& options)
-    : map_(map), mapper_(mapper), model_(model), options_(options) {}
+    : map_(map), places_(places), mapper_(mapper), model_(model), options_(options) {}
 
 bool Tracker::track(Frame& frame) {
   mapper_.advance(frame.index);
@@ -38,7 +38,8 @@ bool Tracker::track(Frame& frame) {
     if (found) correct_shutter(frame, frame.camera_from_world * last_.camera_from_world.inverse());
   }
   found = found && track_local_map(frame);
-  if (!found && relocalize(map_, model_, frame)) found = track_local_map(frame);
+  if (!found && relocalize(map_, places_, model_, options_.seed, frame))
+    found = track_local_map(frame);
   if (!found) found = carry_by_motion(frame);
   if (!found) {
     if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);

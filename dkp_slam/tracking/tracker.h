@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
+#include "dkp_slam/loop/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/mapping/mapper.h"
 #include "dkp_slam/optimization/observation.h"
@@ -43,6 +45,7 @@ struct TrackerOptions {
   double most_acceleration = 20.0;
   double most_angular_acceleration = 60.0;
   LandmarkBelief belief;
+  std::uint64_t seed = 1;  ///< of relocalisation's RANSAC
 };
 
 /// The pose a frame was given when it was tracked, kept relative to its reference keyframe, so that
@@ -58,7 +61,8 @@ struct TrackedPose {
 /// thread, Mur-Artal et al. 2015, §V, for RGB-D).
 class Tracker {
  public:
-  Tracker(Map& map, Mapper& mapper, const MeasurementModel& model, const TrackerOptions& options);
+  Tracker(Map& map, const PlaceIndex& places, Mapper& mapper, const MeasurementModel& model,
+          const TrackerOptions& options);
 
   /// Localises the frame. Sets its pose and landmarks; true when it was localised.
   bool track(Frame& frame);
@@ -87,6 +91,7 @@ class Tracker {
   void remember(const Frame& frame);
 
   Map& map_;
+  const PlaceIndex& places_;
   Mapper& mapper_;
   const MeasurementModel model_;
   const TrackerOptions options_;
