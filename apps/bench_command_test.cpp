@@ -30,7 +30,7 @@ using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
 
-constexpr int frame_count = 12;
+constexpr int frame_count = 8;
 
 /// Runs the program itself, as a user does, on small exact sequences.
 class BenchCommand : public ::testing::Test {

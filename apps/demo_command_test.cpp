@@ -47,7 +47,7 @@ class DemoCommand : public ::testing::Test {
 };
 
 TEST_F(DemoCommand, WritesAPageAndAPictureWithoutAModel) {
-  ASSERT_EQ(demo({"--frames", "24", "--seed", "3"}), 0) << stderr_;
+  ASSERT_EQ(demo({"--frames", "16", "--seed", "3"}), 0) << stderr_;
   const cv::Mat picture = cv::imread((out() / "demo.png").string(), cv::IMREAD_COLOR);
   ASSERT_EQ(picture.size(), cv::Size(apps::demo_picture_width, apps::demo_picture_height));
   // Not blank anywhere: head, charts and frames all have contrast.
@@ -63,13 +63,13 @@ TEST_F(DemoCommand, WritesAPageAndAPictureWithoutAModel) {
   EXPECT_EQ(check.count("svg"), 2U);
   EXPECT_EQ(check.count("img"), 8U);  // four frames as both modes saw them
   EXPECT_THAT(page, HasSubstr("the motion detector, which needs no model"));
-  EXPECT_THAT(page, HasSubstr("seed 3, 24 frames"));
+  EXPECT_THAT(page, HasSubstr("seed 3, 16 frames"));
   EXPECT_THAT(page, Not(HasSubstr("<script")));
   EXPECT_THAT(stdout_, HasSubstr("detector: the motion detector"));
   EXPECT_THAT(stdout_, HasSubstr((out() / "demo.png").string()));
-  EXPECT_THAT(stderr_, HasSubstr("3/3 people left out: 24 of 24"));
+  EXPECT_THAT(stderr_, HasSubstr("3/3 people left out: 16 of 16"));
   // Again, into the same folder.
-  EXPECT_EQ(demo({"--frames", "12"}), 0) << stderr_;
+  EXPECT_EQ(demo({"--frames", "10"}), 0) << stderr_;
 }
 
 TEST_F(DemoCommand, BadInputIsRefusedInOneLine) {

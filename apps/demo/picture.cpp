@@ -1,20 +1,26 @@
 #include <array>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "apps/demo/demo.h"
+#include "dkp_slam/error.h"
 
 namespace dkp_slam::apps {
 namespace {
 
-// Points; the canvas draws two pixels to each.
-constexpr int width = demo_picture_width / 2, height = demo_picture_height / 2;
-constexpr double margin = 14.0;
-constexpr double head_height = 46.0;
-constexpr double cards_top = 56.0, cards_height = 50.0;
-constexpr double charts_top = 112.0, charts_height = 212.0;
-constexpr double frames_top = 346.0;
+// Points. Larger than the picture, which is scaled down in the end: charts with their lettering are
+// made for a page of about this size.
+constexpr int width = 1080, height = 729;
+constexpr double margin = 18.0;
+constexpr double head_height = 58.0;
+constexpr double cards_top = 72.0, cards_height = 62.0;
+constexpr double charts_top = 146.0, charts_height = 298.0;
+constexpr double frames_top = 465.0;
 constexpr double frame_width = (width - 4.0 * margin) / 3.0;
 
 constexpr Colour head_colour{22, 38, 58};
@@ -26,21 +32,21 @@ constexpr Colour grey{96, 106, 116};
 
 void draw_head(Canvas& canvas, const DemoResult& result) {
   canvas.rectangle({0.0, 0.0}, {static_cast<double>(width), head_height}, head_colour);
-  canvas.text({margin, 29.0}, "dkp-slam", 21.0, TextAnchor::start, white);
-  canvas.text({118.0, 29.0}, "the camera's path in a room where people walk about", 12.5,
+  canvas.text({margin, 38.0}, "dkp-slam", 26.0, TextAnchor::start, white);
+  canvas.text({184.0, 37.0}, "a camera's path through a room where people walk about", 16.0,
               TextAnchor::start, pale);
-  canvas.text({width - margin, 29.0},
+  canvas.text({width - margin, 37.0},
               fmt::format("{}, seed {}, {} frames", result.scenario, result.options.seed,
                           result.best.frames),
-              10.0, TextAnchor::end, pale);
+              12.0, TextAnchor::end, pale);
 }
 
 void draw_card(Canvas& canvas, double left, double card_width, Colour colour,
                const std::string& figure, const std::string& what) {
   canvas.rectangle({left, cards_top}, {card_width, cards_height}, card_colour);
-  canvas.rectangle({left, cards_top}, {4.0, cards_height}, colour);
-  canvas.text({left + 14.0, cards_top + 24.0}, figure, 17.0, TextAnchor::start, dark);
-  canvas.text({left + 14.0, cards_top + 41.0}, what, 9.5, TextAnchor::start, grey);
+  canvas.rectangle({left, cards_top}, {6.0, cards_height}, colour);
+  canvas.text({left + 18.0, cards_top + 31.0}, figure, 22.0, TextAnchor::start, dark);
+  canvas.text({left + 18.0, cards_top + 51.0}, what, 11.5, TextAnchor::start, grey);
 }
 
 void draw_cards(Canvas& canvas, const DemoResult& result) {
@@ -77,7 +83,7 @@ void draw_frames(Canvas& canvas, const DemoResult& result) {
        {&second.best, fmt::format("frame {}, dkp+", second.index)}}};
   double left = margin;
   for (const auto& [picture, caption] : pictures) {
-    canvas.text({left, frames_top - 5.0}, caption, 11.0, TextAnchor::start, dark);
+    canvas.text({left, frames_top - 8.0}, caption, 13.0, TextAnchor::start, dark);
     const double frame_height = frame_width * picture->rows / picture->cols;
     canvas.image({left, frames_top}, {frame_width, frame_height}, *picture);
     left += frame_width + margin;
@@ -92,7 +98,14 @@ std::string demo_picture(const DemoResult& result) {
   draw_cards(*canvas, result);
   draw_charts(*canvas, result);
   draw_frames(*canvas, result);
-  return canvas->encode();
+  const std::string large = canvas->encode();
+  const cv::Mat page =
+      cv::imdecode(std::vector<uchar>(large.begin(), large.end()), cv::IMREAD_COLOR);
+  cv::Mat small;
+  cv::resize(page, small, {demo_picture_width, demo_picture_height}, 0, 0, cv::INTER_AREA);
+  std::vector<uchar> png;
+  if (!cv::imencode(".png", small, png)) throw Error("the picture cannot be encoded as PNG");
+  return {png.begin(), png.end()};
 }
 
 }  // namespace dkp_slam::apps

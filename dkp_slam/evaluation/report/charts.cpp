@@ -15,7 +15,7 @@ constexpr double left = 62.0, right = 14.0, below = 46.0;
 constexpr double legend_row = 20.0;
 constexpr double path_width = 1.6;
 // Points between two ticks.
-constexpr double tick_distance_x = 75.0, tick_distance_y = 45.0;
+constexpr double tick_distance_x = 70.0, tick_distance_y = 38.0;
 // Estimates are shown this far beyond the true path, in units of its extent, and at least 5 cm.
 constexpr double stray_factor = 0.75;
 constexpr double stray_least = 0.05;
@@ -55,7 +55,7 @@ void draw_legend_rows(Canvas& canvas, const ChartBox& box,
 }
 
 int ticks_along(double length, double distance) {
-  return std::max(2, static_cast<int>(length / distance));
+  return std::max(3, static_cast<int>(length / distance));
 }
 
 std::vector<Tick> x_ticks_of(const Panel& panel) {
