@@ -55,15 +55,19 @@ std::vector<std::string> command_of(const BenchSetup& setup, const BenchJob& job
   return command;
 }
 
-/// The program's own word on why it failed, without its name in front.
-std::string last_line(const fs::path& log) {
+/// The program's own word on why it failed, without its name in front and the folder behind, which
+/// nobody will find later.
+std::string last_line(const fs::path& log, const fs::path& out) {
   constexpr std::string_view name = "dkp-slam: ";
+  const std::string folder = fmt::format(" ({} holds what there is)", out.string());
   std::ifstream in(log);
   std::string line, last = "no message";
   while (std::getline(in, line)) {
     if (!line.empty()) last = line;
   }
-  return last.starts_with(name) ? last.substr(name.size()) : last;
+  if (last.starts_with(name)) last.erase(0, name.size());
+  if (last.ends_with(folder)) last.resize(last.size() - folder.size());
+  return last;
 }
 
 void set_step_errors(RunRecord& record, const Trajectory& truth, const Trajectory& estimate) {
@@ -170,7 +174,7 @@ std::optional<RunRecord> execute(const BenchSetup& setup, const BenchJob& job,
     if (result.exit_code != 0) {
       throw Error(result.exit_code > first_signal_code
                       ? fmt::format("ended by signal {}", result.exit_code - first_signal_code)
-                      : fmt::format("exit code {}: {}", result.exit_code, last_line(log)));
+                      : fmt::format("exit code {}: {}", result.exit_code, last_line(log, attempt)));
     }
     read_output(job, attempt, record);
   } catch (const std::exception& error) {

@@ -19,8 +19,8 @@ constexpr int width = 1080, height = 729;
 constexpr double margin = 18.0;
 constexpr double head_height = 58.0;
 constexpr double cards_top = 72.0, cards_height = 62.0;
-constexpr double charts_top = 146.0, charts_height = 298.0;
-constexpr double frames_top = 465.0;
+constexpr double charts_top = 146.0, charts_height = 292.0;
+constexpr double frames_top = 468.0;
 constexpr double frame_width = (width - 4.0 * margin) / 3.0;
 
 constexpr Colour head_colour{22, 38, 58};

@@ -200,9 +200,10 @@ std::string bench_report(const std::vector<RunRecord>& records, const BenchRepor
   }
   body += html_heading("Overview", "overview");
   body += html_paragraph(
-      "Medians over the seeds; below them, small, the smallest and the largest. ATE: RMSE after "
+      "Medians over the seeds; below them, small, the smallest and the largest where they differ. "
+      "ATE: RMSE after "
       "rigid alignment without scale. RPE: RMSE of the drift over one second and from frame to "
-      "frame. Removed: share of the features.");
+      "frame. Lost: frames without a pose. Removed: share of the features.");
   body += overview_table(set);
   body += paper_section(set) + ablation_section(set) + times_section(set);
   body += figures_section(set, options.runs) + every_run_table(set);

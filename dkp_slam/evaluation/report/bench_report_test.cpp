@@ -149,6 +149,11 @@ TEST_F(BenchReport, AblationAndTimesStandBesideThePapers) {
   for (const char* figure : {"11.11", "2.22", "3.33", "4.44", "5.55", "6.66", "17.77"}) {
     EXPECT_THAT(times, HasSubstr(figure));
   }
+  EXPECT_THAT(page, Not(HasSubstr("not to be quoted")));
+  records[0].others_share = 0.25;
+  EXPECT_THAT(page_of(records), HasSubstr("Other programs took up to 25 %"));
+  records[1].jobs = 3;
+  EXPECT_THAT(page_of(records), HasSubstr("Up to 3 runs shared the machine"));
   const std::size_t systems = page.find("<h3>Table 8");
   EXPECT_THAT(page.substr(systems), HasSubstr("696.09"));
   EXPECT_THAT(row_after(page, "<h3>Table 8", "dkp-slam dkp+, motion"),
@@ -180,7 +185,6 @@ TEST_F(BenchReport, PathsHaveAPointForEveryPoseOfTheMedianRun) {
   EXPECT_EQ(MarkupCheck(page).problem(), "");
   EXPECT_EQ(occurrences(page, "<svg "), 3U);
   const std::string svg = page.substr(page.find("<svg "), page.find("</svg>") - page.find("<svg "));
-  const std::regex line("stroke=\"#1f6ebe\"");
   const std::size_t at = svg.find("stroke=\"#1f6ebe\"");
   ASSERT_NE(at, std::string::npos);
   const std::size_t start = svg.rfind("<path", at);

@@ -17,6 +17,8 @@ using Quantity = std::function<std::optional<double>(const RunRecord&)>;
 using Runs = std::vector<const RunRecord*>;
 
 constexpr int metre_decimals = 4;
+// Other programs at more than this share of the machine slow a run down.
+constexpr double share_that_disturbs = 0.05;
 
 std::optional<double> ate(const RunRecord& r) { return r.ate_m; }
 std::optional<double> ate_deviation(const RunRecord& r) { return r.ate_deviation_m; }
@@ -134,11 +136,25 @@ void add_ablation_rows(const RecordSet& set, const std::string& sequence, HtmlTa
   }
 }
 
-/// How many runs at the same time the times were taken with, at most.
-int most_jobs(const RecordSet& set) {
-  int most = 1;
-  for (const RunRecord& run : set.records()) most = std::max(most, run.jobs);
-  return most;
+/// Says why times are not to be trusted; empty where nothing speaks against them.
+std::string times_warning(const RecordSet& set) {
+  int jobs = 1;
+  double others = 0.0;
+  for (const RunRecord& run : set.records()) {
+    jobs = std::max(jobs, run.jobs);
+    others = std::max(others, run.others_share);
+  }
+  std::string text;
+  if (jobs > 1) {
+    text = fmt::format("Up to {} runs shared the machine.", jobs);
+  } else if (others > share_that_disturbs) {
+    text = fmt::format("Other programs took up to {:.0f} % of the machine during a run.",
+                       100.0 * others);
+  }
+  if (text.empty()) return "";
+  return "<p class=\"warning\">" + text +
+         " The times are not to be quoted: for that, run the bench with --jobs 1 and nothing "
+         "beside it.</p>\n";
 }
 
 }  // namespace
@@ -156,7 +172,7 @@ std::string overview_table(const RecordSet& set) {
       table.add(
           {first ? sequence_cell(runs, sequence) : HtmlCell(), set.label(config),
            std::to_string(runs.size()), cell(runs, ate, metre_decimals),
-           cell(runs, ate_deviation, metre_decimals), cell(runs, rpe_second, metre_decimals),
+           cell(runs, rpe_second, metre_decimals),
            cell(
                runs, [](const RunRecord& r) { return r.rpe_s_deg; }, 3),
            cell(runs, rpe_frame, metre_decimals),
@@ -220,19 +236,13 @@ std::string times_section(const RecordSet& set) {
                 kind);
     systems.add({name, cell(runs, stage("frame"), 2), runs.front()->machine}, kind);
   }
-  const int jobs = most_jobs(set);
   std::string text = html_heading("Times (Tables 7 and 8)", "times");
   text += html_paragraph(
       "Milliseconds per frame. Ours: medians over the frames of a run, then over runs and "
       "sequences, with the smallest and the largest below. Decoding, features and detection run in "
       "threads of their own ahead of the rest, so a frame in all takes less than the sum. " +
       published_times().source);
-  if (jobs > 1) {
-    text += fmt::format(
-        "<p class=\"warning\">Up to {} runs shared the machine. For times to quote, run the bench "
-        "with --jobs 1 and nothing beside it.</p>\n",
-        jobs);
-  }
+  text += times_warning(set);
   return text + "<h3>Table 7: time of the modules</h3>\n" + modules.text() +
          "<h3>Table 8: time of whole systems</h3>\n" +
          html_paragraph(published_system_times().source) + systems.text();

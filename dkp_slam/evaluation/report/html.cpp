@@ -15,7 +15,7 @@ constexpr const char* style = R"css(
 * { box-sizing: border-box; }
 body { margin: 0; background: #f4f6f8; color: #24292f;
   font: 15px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "Liberation Sans", sans-serif; }
-main { max-width: 1120px; margin: 0 auto; padding: 28px 32px 64px; background: #fff;
+main { max-width: 1180px; margin: 0 auto; padding: 28px 32px 64px; background: #fff;
   box-shadow: 0 0 24px rgba(20, 40, 60, .08); min-height: 100vh; }
 h1 { font-size: 28px; line-height: 1.2; margin: 6px 0 10px; }
 h2 { font-size: 20px; margin: 40px 0 8px; padding-top: 14px; border-top: 1px solid #e3e8ed; }
@@ -26,7 +26,7 @@ nav { font-size: 14px; margin: 14px 0; }
 nav a { margin-right: 16px; color: #1f6ebe; text-decoration: none; }
 .scroll { overflow-x: auto; margin: 12px 0; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 14px; }
-th, td { padding: 5px 12px; text-align: right; border-bottom: 1px solid #e8ecf0; white-space: nowrap;
+th, td { padding: 5px 10px; text-align: right; border-bottom: 1px solid #e8ecf0; white-space: nowrap;
   vertical-align: top; }
 th { background: #eef2f6; font-weight: 600; position: sticky; top: 0; }
 th.l, td.l { text-align: left; }

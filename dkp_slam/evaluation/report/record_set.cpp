@@ -124,9 +124,10 @@ const RunRecord* median_run(std::vector<const RunRecord*> runs) {
 HtmlCell spread_cell(std::vector<double> values, int decimals) {
   if (values.empty()) return {};
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  const std::string note =
-      values.size() > 1 ? fmt::format("{:.{}f}–{:.{}f}", *low, decimals, *high, decimals) : "";
-  return {fmt::format("{:.{}f}", median(values), decimals), note};
+  const std::string least = fmt::format("{:.{}f}", *low, decimals);
+  const std::string most = fmt::format("{:.{}f}", *high, decimals);
+  return {fmt::format("{:.{}f}", median(values), decimals),
+          least == most ? "" : least + "–" + most};
 }
 
 }  // namespace dkp_slam
