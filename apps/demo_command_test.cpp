@@ -68,8 +68,6 @@ TEST_F(DemoCommand, WritesAPageAndAPictureWithoutAModel) {
   EXPECT_THAT(stdout_, HasSubstr("detector: the motion detector"));
   EXPECT_THAT(stdout_, HasSubstr((out() / "demo.png").string()));
   EXPECT_THAT(stderr_, HasSubstr("3/3 people left out: 16 of 16"));
-  // Again, into the same folder.
-  EXPECT_EQ(demo({"--frames", "10"}), 0) << stderr_;
 }
 
 TEST_F(DemoCommand, BadInputIsRefusedInOneLine) {
