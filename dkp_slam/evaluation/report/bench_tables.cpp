@@ -160,10 +160,9 @@ std::string times_warning(const RecordSet& set) {
 }  // namespace
 
 std::string overview_table(const RecordSet& set) {
-  HtmlTable table(
-      {"sequence", "mode, detector", "runs", "ATE [m]", "S.D. [m]", "RPE 1 s [m]", "RPE 1 s [deg]",
-       "RPE frame [m]", "RPE frame [deg]", "lost frames", "removed [%]", "frame [ms]"},
-      2);
+  HtmlTable table({"sequence", "mode, detector", "runs", "ATE [m]", "RPE 1 s [m]", "[deg]",
+                   "RPE frame [m]", "[deg]", "lost", "removed [%]", "frame [ms]"},
+                  2);
   for (const std::string& sequence : set.sequences()) {
     bool first = true;
     for (const BenchConfig& config : set.configs()) {
