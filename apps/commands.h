@@ -10,5 +10,7 @@ void add_run_command(CLI::App& program);
 void add_detect_command(CLI::App& program);
 void add_eval_command(CLI::App& program);
 void add_synth_command(CLI::App& program);
+void add_bench_command(CLI::App& program);
+void add_demo_command(CLI::App& program);
 
 }  // namespace dkp_slam::apps

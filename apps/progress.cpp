@@ -1,6 +1,7 @@
 #include "apps/progress.h"
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <utility>
 
@@ -15,10 +16,12 @@ constexpr std::size_t lines_in_all = 10;
 constexpr std::size_t steps_per_line_without_total = 100;
 constexpr auto redraw_interval = std::chrono::milliseconds(100);
 
-volatile std::sig_atomic_t interrupt_seen = 0;
+// Set in a signal handler, read in all threads.
+std::atomic<bool> interrupt_seen = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 void note_interrupt(int signal) {
-  interrupt_seen = 1;
+  interrupt_seen = true;
   std::signal(signal, SIG_DFL);
 }
 
@@ -84,6 +87,6 @@ void catch_interrupts() {
   std::signal(SIGTERM, note_interrupt);
 }
 
-bool interrupted() { return interrupt_seen != 0; }
+bool interrupted() { return interrupt_seen; }
 
 }  // namespace dkp_slam::apps

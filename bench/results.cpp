@@ -14,11 +14,11 @@
 
 #include "apps/progress.h"
 #include "bench/results/figures.h"
-#include "bench/results/machine.h"
 #include "bench/results/measure.h"
 #include "bench/results/report.h"
 #include "dkp_slam/detection/detector_factory.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/evaluation/measure/machine.h"
 #include "dkp_slam/export/atomic_file.h"
 
 namespace dkp_slam::bench {

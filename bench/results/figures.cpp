@@ -1,7 +1,6 @@
 #include "bench/results/figures.h"
 
 #include <algorithm>
-#include <sstream>
 
 #include <fmt/format.h>
 
@@ -12,14 +11,6 @@ namespace dkp_slam::bench {
 namespace {
 
 const std::string time_suffix = "_ms";
-
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields;
-  std::istringstream in(line);
-  std::string field;
-  while (std::getline(in, field, ',')) fields.push_back(field);
-  return fields;
-}
 
 bool is_mask_quantity(Quantity quantity) {
   return quantity == Quantity::mask_iou || quantity == Quantity::features_removed ||
@@ -100,32 +91,6 @@ std::vector<double> stage_values(const Results& results, const std::string& sequ
 std::optional<double> median_of(const std::vector<double>& values) {
   if (values.empty()) return std::nullopt;
   return median(values);
-}
-
-std::map<std::string, std::vector<double>> read_timings(const std::string& csv) {
-  std::istringstream in(csv);
-  std::string line;
-  std::getline(in, line);
-  const std::vector<std::string> names = fields_of(line);
-  std::map<std::string, std::vector<double>> columns;
-  for (int number = 2; std::getline(in, line); ++number) {
-    const std::vector<std::string> fields = fields_of(line);
-    if (fields.size() != names.size()) {
-      throw Error(fmt::format("timings.csv:{}: {} fields, the header has {}; run it again", number,
-                              fields.size(), names.size()));
-    }
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      std::istringstream field(fields[i]);
-      double value = 0.0;
-      if (!(field >> value) || !field.eof()) {
-        throw Error(fmt::format("timings.csv:{}: {}: '{}' is no number; run it again", number,
-                                names[i], fields[i]));
-      }
-      columns[names[i]].push_back(value);
-    }
-  }
-  if (columns.empty()) throw Error("timings.csv: holds no frame; run it again");
-  return columns;
 }
 
 void set_times(RunFigures& figures, const std::map<std::string, std::vector<double>>& timings) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "dkp_slam/evaluation/measure/timings.h"
+
 namespace dkp_slam::bench {
 
 /// One run of the program: a sequence, an ablation mode and a seed.
@@ -75,10 +77,6 @@ std::vector<double> stage_values(const Results& results, const std::string& sequ
 
 /// The median where there is a value.
 std::optional<double> median_of(const std::vector<double>& values);
-
-/// Columns of a timings.csv by name. Throws `Error` for a line with another number of fields than
-/// the header or something that is no number, and when there is no frame.
-std::map<std::string, std::vector<double>> read_timings(const std::string& csv);
 
 /// Fills in the medians of the stages from a timings.csv.
 void set_times(RunFigures& figures, const std::map<std::string, std::vector<double>>& timings);

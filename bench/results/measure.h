@@ -7,6 +7,7 @@
 #include <string>
 
 #include "bench/results/figures.h"
+#include "dkp_slam/evaluation/measure/sequence_name.h"
 
 namespace dkp_slam::bench {
 
@@ -18,10 +19,6 @@ struct MeasureOptions {
   std::filesystem::path model;    ///< YOLOX; empty: the motion detector runs
   std::filesystem::path runs;     ///< a folder per run goes here
 };
-
-/// Camera file of a sequence, by its name: fr1, fr2, fr3 (freiburg1 to 3), composites are on fr1,
-/// bonn. Throws `Error` for a name that says nothing.
-std::string camera_file(const std::string& sequence);
 
 /// Where a run's output lies.
 std::filesystem::path run_folder(const MeasureOptions& options, const RunKey& key);

@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "bench/results/fingerprint.h"
 #include "bench/results/measure.h"
 #include "dkp_slam/detection/detector_factory.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/mask_score.h"
+#include "dkp_slam/evaluation/measure/fingerprint.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/results/child_process.h"
-#include "bench/results/fingerprint.h"
 #include "bench/results/measure.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
+#include "dkp_slam/evaluation/measure/child_process.h"
+#include "dkp_slam/evaluation/measure/fingerprint.h"
 #include "dkp_slam/evaluation/relative_error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
@@ -105,18 +105,6 @@ void set_errors(RunFigures& figures, const Trajectory& truth, const Trajectory& 
 }
 
 }  // namespace
-
-std::string camera_file(const std::string& sequence) {
-  for (const char digit : {'1', '2', '3'}) {
-    for (const char* name : {"fr", "freiburg"}) {
-      if (sequence.find(std::string(name) + digit) == std::string::npos) continue;
-      return fmt::format("tum_fr{}.yaml", digit);
-    }
-  }
-  if (sequence.starts_with("composite")) return "tum_fr1.yaml";
-  if (sequence.find("bonn") != std::string::npos) return "bonn.yaml";
-  throw Error(sequence + ": which camera is it from? The name must hold fr1, fr2, fr3 or bonn");
-}
 
 fs::path run_folder(const MeasureOptions& options, const RunKey& key) {
   return options.runs / key.sequence / key.mode / fmt::format("seed{}", key.seed);

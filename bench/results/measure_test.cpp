@@ -5,10 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bench/results/child_process.h"
-#include "bench/results/fingerprint.h"
-#include "bench/results/machine.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/evaluation/measure/child_process.h"
+#include "dkp_slam/evaluation/measure/fingerprint.h"
+#include "dkp_slam/evaluation/measure/machine.h"
 
 namespace dkp_slam::bench {
 namespace {

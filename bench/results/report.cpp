@@ -6,8 +6,8 @@
 #include <fmt/ranges.h>
 
 #include "bench/results/markdown.h"
-#include "bench/results/published.h"
 #include "bench/results/targets.h"
+#include "dkp_slam/evaluation/report/published.h"
 
 namespace dkp_slam::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bench/results/figures.h"
-#include "bench/results/machine.h"
+#include "dkp_slam/evaluation/measure/machine.h"
 
 namespace dkp_slam::bench {
 

@@ -13,25 +13,19 @@
 namespace dkp_slam {
 namespace {
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      default:
-        // XML forbids control characters even when escaped.
-        result += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+std::string base64(const std::vector<uchar>& bytes) {
+  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    unsigned bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? bytes[i + k] : 0U);
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += k <= count ? digits[bits >> (18 - 6 * k) & 63U] : '=';
     }
   }
-  return result;
+  return text;
 }
 
 class SvgCanvas : public Canvas {
@@ -58,6 +52,22 @@ class SvgCanvas : public Canvas {
                    "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" "
                    "stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n",
                    path, hex(colour), width);
+  }
+
+  void rectangle(const Eigen::Vector2d& top_left, const Eigen::Vector2d& size,
+                 Colour colour) override {
+    fmt::format_to(
+        std::back_inserter(body_),
+        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"/>\n",
+        top_left.x(), top_left.y(), size.x(), size.y(), hex(colour));
+  }
+
+  void image(const Eigen::Vector2d& top_left, const Eigen::Vector2d& size,
+             const cv::Mat& picture) override {
+    fmt::format_to(std::back_inserter(body_),
+                   "<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
+                   "preserveAspectRatio=\"none\" href=\"{}\"/>\n",
+                   top_left.x(), top_left.y(), size.x(), size.y(), data_uri(picture));
   }
 
   void text(const Eigen::Vector2d& at, const std::string& text, double size, TextAnchor anchor,
@@ -104,6 +114,21 @@ class PngCanvas : public Canvas {
     }
   }
 
+  void rectangle(const Eigen::Vector2d& top_left, const Eigen::Vector2d& size,
+                 Colour colour) override {
+    cv::rectangle(image_, box(top_left, size), bgr(colour), cv::FILLED);
+  }
+
+  void image(const Eigen::Vector2d& top_left, const Eigen::Vector2d& size,
+             const cv::Mat& picture) override {
+    const cv::Rect whole = box(top_left, size);
+    const cv::Rect seen = whole & cv::Rect(0, 0, image_.cols, image_.rows);
+    if (seen.empty()) return;
+    cv::Mat stretched;
+    cv::resize(picture, stretched, whole.size(), 0, 0, cv::INTER_CUBIC);
+    stretched(seen - whole.tl()).copyTo(image_(seen));
+  }
+
   void text(const Eigen::Vector2d& at, const std::string& text, double size, TextAnchor anchor,
             Colour colour) override {
     std::string ascii = text;
@@ -140,6 +165,13 @@ class PngCanvas : public Canvas {
   static int pixels(double width) {
     return std::max(1, static_cast<int>(std::lround(width * raster_scale)));
   }
+  static cv::Rect box(const Eigen::Vector2d& top_left, const Eigen::Vector2d& size) {
+    const auto whole = [](const Eigen::Vector2d& v) {
+      return cv::Point(static_cast<int>(std::lround(v.x() * raster_scale)),
+                       static_cast<int>(std::lround(v.y() * raster_scale)));
+    };
+    return {whole(top_left), whole(top_left + size)};
+  }
   static cv::Point fixed_point(const Eigen::Vector2d& point) {
     const Eigen::Vector2d scaled = point * raster_scale * (1 << shift);
     return {static_cast<int>(std::lround(scaled.x())), static_cast<int>(std::lround(scaled.y()))};
@@ -149,6 +181,43 @@ class PngCanvas : public Canvas {
 };
 
 }  // namespace
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\'':
+        result += "&#39;";
+        break;
+      default: {
+        const bool control = static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t';
+        result += control ? '?' : c;
+      }
+    }
+  }
+  return result;
+}
+
+std::string data_uri(const cv::Mat& picture, int quality) {
+  std::vector<uchar> bytes;
+  if (picture.empty() ||
+      !cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, quality})) {
+    throw Error("a picture cannot be encoded as JPEG for the page; is it empty?");
+  }
+  return "data:image/jpeg;base64," + base64(bytes);
+}
 
 std::unique_ptr<Canvas> svg_canvas(int width, int height) {
   return std::make_unique<SvgCanvas>(width, height);

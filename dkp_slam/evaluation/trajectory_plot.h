@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dkp_slam/evaluation/absolute_error.h"
+#include "dkp_slam/evaluation/axes.h"
 #include "dkp_slam/evaluation/canvas.h"
 
 namespace dkp_slam {
@@ -20,9 +21,5 @@ constexpr int plot_height = 860;
 void draw_trajectories(Canvas& canvas, std::span<const StampedPose> truth,
                        std::span<const StampedPose> estimate, const AbsoluteError& error,
                        const AssociationOptions& association, const std::string& title);
-
-/// Values for the ticks of an axis: multiples of 1, 2 or 5 times a power of ten within [low, high],
-/// about `wanted` of them.
-std::vector<double> ticks(double low, double high, int wanted);
 
 }  // namespace dkp_slam

@@ -1,4 +1,4 @@
-#include "bench/results/machine.h"
+#include "dkp_slam/evaluation/measure/machine.h"
 
 #include <array>
 #include <cstdio>
@@ -16,7 +16,7 @@
 
 #include "dkp_slam/version.h"
 
-namespace dkp_slam::bench {
+namespace dkp_slam {
 namespace {
 
 /// What follows `key` and the separator on the first line of a file that starts with it.
@@ -111,4 +111,4 @@ std::string command_line(const std::vector<std::string>& arguments) {
   return out;
 }
 
-}  // namespace dkp_slam::bench
+}  // namespace dkp_slam

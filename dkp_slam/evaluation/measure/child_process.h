@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace dkp_slam::bench {
+namespace dkp_slam {
 
 /// What a child process was like.
 struct ProcessResult {
@@ -24,4 +24,4 @@ ProcessResult run_process(
     const std::vector<std::string>& command, const std::filesystem::path& log,
     const std::function<bool()>& stop = [] { return false; });
 
-}  // namespace dkp_slam::bench
+}  // namespace dkp_slam

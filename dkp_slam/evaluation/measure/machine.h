@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace dkp_slam::bench {
+namespace dkp_slam {
 
 /// Where and with what figures were taken, in words.
 struct Machine {
@@ -28,4 +28,4 @@ std::optional<double> busy_seconds();
 /// a report is no place for the folders of the machine it was made on.
 std::string command_line(const std::vector<std::string>& arguments);
 
-}  // namespace dkp_slam::bench
+}  // namespace dkp_slam

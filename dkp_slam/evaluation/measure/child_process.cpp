@@ -1,4 +1,4 @@
-#include "bench/results/child_process.h"
+#include "dkp_slam/evaluation/measure/child_process.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -13,12 +13,12 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-#include "bench/results/machine.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/evaluation/measure/machine.h"
 
 extern char** environ;  // NOLINT: POSIX gives it this way only
 
-namespace dkp_slam::bench {
+namespace dkp_slam {
 namespace {
 
 // Coarse enough to cost nothing, fine enough for a wall time in percent of a run of a second.
@@ -48,7 +48,7 @@ pid_t spawn(const std::vector<std::string>& command, const std::filesystem::path
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);
   if (failure != 0) {
-    throw Error(fmt::format("{}: cannot be started: {}; build it, or name it with --program",
+    throw Error(fmt::format("{}: cannot be started: {}; is it there, readable and executable?",
                             command.front(), std::strerror(failure)));
   }
   return child;
@@ -91,4 +91,4 @@ ProcessResult run_process(const std::vector<std::string>& command, const std::fi
   return result;
 }
 
-}  // namespace dkp_slam::bench
+}  // namespace dkp_slam

@@ -1,0 +1,90 @@
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "apps/demo/demo.h"
+#include "apps/test_program.h"
+#include "dkp_slam/evaluation/report/test_markup.h"
+
+namespace dkp_slam {
+namespace {
+
+namespace fs = std::filesystem;
+using dkp_slam::testing::content;
+using dkp_slam::testing::MarkupCheck;
+using dkp_slam::testing::Program;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class DemoCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(::testing::TempDir()) / (std::string("demo_command_") + info->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  int demo(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"demo", "--out", out()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Program program(folder_, arguments, {"HOME=" + folder_.string()});
+    const int code = program.wait();
+    stdout_ = program.out();
+    stderr_ = program.err();
+    return code;
+  }
+  fs::path out() const { return folder_ / "out"; }
+
+  fs::path folder_;
+  std::string stdout_, stderr_;
+};
+
+TEST_F(DemoCommand, WritesAPageAndAPictureWithoutAModel) {
+  ASSERT_EQ(demo({"--frames", "16", "--seed", "3"}), 0) << stderr_;
+  const cv::Mat picture = cv::imread((out() / "demo.png").string(), cv::IMREAD_COLOR);
+  ASSERT_EQ(picture.size(), cv::Size(apps::demo_picture_width, apps::demo_picture_height));
+  // Not blank anywhere: head, charts and frames all have contrast.
+  for (const cv::Rect part : {cv::Rect(0, 0, 1600, 90), cv::Rect(0, 230, 800, 400),
+                              cv::Rect(800, 230, 800, 400), cv::Rect(0, 700, 1600, 360)}) {
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(picture(part), mean, deviation);
+    EXPECT_GT(deviation[0], 8.0) << part;
+  }
+  const std::string page = content(out() / "report.html");
+  MarkupCheck check(page);
+  EXPECT_EQ(check.problem(), "");
+  EXPECT_EQ(check.count("svg"), 2U);
+  EXPECT_EQ(check.count("img"), 8U);  // four frames as both modes saw them
+  EXPECT_THAT(page, HasSubstr("the motion detector, which needs no model"));
+  EXPECT_THAT(page, HasSubstr("seed 3, 16 frames"));
+  EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(stdout_, HasSubstr("detector: the motion detector"));
+  EXPECT_THAT(stdout_, HasSubstr((out() / "demo.png").string()));
+  EXPECT_THAT(stderr_, HasSubstr("3/3 people left out: 16 of 16"));
+}
+
+TEST_F(DemoCommand, BadInputIsRefusedInOneLine) {
+  EXPECT_EQ(demo({"--frames", "3"}), 2);
+  EXPECT_EQ(demo({"--model", folder_ / "nothing.onnx"}), 1);
+  EXPECT_THAT(stderr_, HasSubstr("nothing.onnx"));
+  EXPECT_FALSE(fs::exists(out()));
+  fs::create_directories(out() / "sequence");
+  std::ofstream(out() / "sequence" / "mine.txt") << "precious";
+  EXPECT_EQ(demo({"--frames", "10"}), 1);
+  EXPECT_THAT(stderr_, HasSubstr("was not made by this command"));
+  EXPECT_EQ(content(out() / "sequence" / "mine.txt"), "precious");
+  fs::remove_all(out());
+  std::ofstream(out()) << "a file";
+  EXPECT_EQ(demo({"--frames", "10"}), 1);
+  EXPECT_THAT(stderr_, HasSubstr("cannot make the output folder"));
+}
+
+}  // namespace
+}  // namespace dkp_slam

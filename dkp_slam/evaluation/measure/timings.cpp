@@ -1,0 +1,48 @@
+#include "dkp_slam/evaluation/measure/timings.h"
+
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "dkp_slam/error.h"
+
+namespace dkp_slam {
+namespace {
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields;
+  std::istringstream in(line);
+  std::string field;
+  while (std::getline(in, field, ',')) fields.push_back(field);
+  return fields;
+}
+
+}  // namespace
+
+std::map<std::string, std::vector<double>> read_timings(const std::string& csv) {
+  std::istringstream in(csv);
+  std::string line;
+  std::getline(in, line);
+  const std::vector<std::string> names = fields_of(line);
+  std::map<std::string, std::vector<double>> columns;
+  for (int number = 2; std::getline(in, line); ++number) {
+    const std::vector<std::string> fields = fields_of(line);
+    if (fields.size() != names.size()) {
+      throw Error(fmt::format("timings.csv:{}: {} fields, the header has {}; run it again", number,
+                              fields.size(), names.size()));
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      std::istringstream field(fields[i]);
+      double value = 0.0;
+      if (!(field >> value) || !field.eof()) {
+        throw Error(fmt::format("timings.csv:{}: {}: '{}' is no number; run it again", number,
+                                names[i], fields[i]));
+      }
+      columns[names[i]].push_back(value);
+    }
+  }
+  if (columns.empty()) throw Error("timings.csv: holds no frame; run it again");
+  return columns;
+}
+
+}  // namespace dkp_slam
