@@ -156,6 +156,7 @@ void run(RunOptions options) {
   result.trajectory = slam.trajectory();
   result.keyframes = slam.keyframe_trajectory();
   result.landmarks = slam.map().live_landmarks();
+  result.loops_closed = static_cast<int>(slam.loops().size());
   result.absolute_error = error_against_truth(options.sequence, result.trajectory);
   save_run(result, options.out);
   std::fputs(summary_text(result, options.out).c_str(), stdout);

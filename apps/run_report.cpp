@@ -100,6 +100,7 @@ nlohmann::ordered_json summary_json(const RunResult& result) {
   json["features_removed"] = sum(frames, &FrameReport::removed_features);
   json["keyframes"] = result.keyframes.size();
   json["landmarks"] = result.landmarks;
+  json["loops_closed"] = result.loops_closed;
   if (result.absolute_error) {
     json["ate"] = {{"poses", result.absolute_error->count},
                    {"rmse_m", rounded(result.absolute_error->rmse, 1e6)}};
@@ -118,7 +119,9 @@ std::string summary_text(const RunResult& result, const fs::path& out) {
                                  frames.size(), frames.size() - totals.localised());
   if (totals.skipped_frames > 0) text += fmt::format(", {} not readable", totals.skipped_frames);
   if (totals.dropped_frames > 0) text += fmt::format(", {} dropped", totals.dropped_frames);
-  text += fmt::format("; {} keyframes, {} landmarks\n", result.keyframes.size(), result.landmarks);
+  text += fmt::format("; {} keyframes, {} landmarks", result.keyframes.size(), result.landmarks);
+  if (result.loops_closed > 0) text += fmt::format(", {} loops closed", result.loops_closed);
+  text += '\n';
 
   const long features = sum(frames, &FrameReport::features);
   const long removed = sum(frames, &FrameReport::removed_features);

@@ -32,6 +32,7 @@ struct RunResult {
   RunTotals totals;
   Trajectory trajectory, keyframes;
   int landmarks = 0;
+  int loops_closed = 0;
   std::string detector;            ///< "none", or the name of the one that was chosen
   nlohmann::ordered_json options;  ///< what the user asked for and what was chosen for him
   /// Of the trajectory, metres, where the sequence brings its true path.

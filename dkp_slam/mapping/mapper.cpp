@@ -10,7 +10,12 @@ namespace dkp_slam {
 
 Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
                const MapperOptions& options)
-    : map_(map), places_(places), model_(model), options_(options), worker_(map.camera(), model) {}
+    : map_(map),
+      places_(places),
+      model_(model),
+      options_(options),
+      loop_closer_(options.loops),
+      worker_(map.camera(), model) {}
 
 void Mapper::insert_keyframe(Frame& frame) {
   if (worker_.pending()) carry_back();
@@ -40,6 +45,8 @@ void Mapper::insert_keyframe(Frame& frame) {
   map_.update_covisibility(id);
   cull_keyframes(id);
   places_.add_keyframe(map_, id);
+  if (options_.close_loops && loop_closer_.close(map_, places_, model_, id))
+    frame.camera_from_world = map_.keyframe(id).camera_from_world;
   if (map_.live_keyframes() < 2) return;
   under_way_ = local_bundle(map_, model_, id, options_.local);
   due_frame_ = frame.index + options_.bundle_delay;

@@ -3,6 +3,7 @@
 #include <deque>
 #include <optional>
 
+#include "dkp_slam/loop/loop_closer.h"
 #include "dkp_slam/loop/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/mapping/bundle_worker.h"
@@ -21,20 +22,25 @@ struct MapperOptions {
   int bundle_delay = 6;
   /// Carry a bundle adjustment back as soon as it is done instead, and never wait (--realtime).
   bool realtime = false;
+  bool close_loops = true;
+  LoopCloserOptions loops;
 };
 
-/// Grows the map: keyframes, landmarks, fusion, culling, and local bundle adjustment in its own
-/// thread. Called by the tracking thread alone.
+/// Grows the map: keyframes, landmarks, fusion, culling, loops, and local bundle adjustment in its
+/// own thread. Called by the tracking thread alone.
 class Mapper {
  public:
   Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model, const MapperOptions& options);
 
-  /// Makes the frame a keyframe; the frame gets the new landmarks' ids and its reference keyframe.
+  /// Makes the frame a keyframe; the frame gets the new landmarks' ids and its reference keyframe,
+  /// and another pose where that closed a loop.
   void insert_keyframe(Frame& frame);
   /// To be called once per frame, before it is tracked: carries back what is due.
   void advance(int frame_index);
   /// True while a bundle adjustment has been submitted and not carried back.
   bool adjusting() const { return worker_.pending(); }
+  /// Loops closed so far.
+  const std::vector<ClosedLoop>& loops() const { return loop_closer_.closed(); }
   /// Waits for what is under way, then adjusts the whole map once more.
   void finish(bool full_adjustment);
 
@@ -48,6 +54,7 @@ class Mapper {
   PlaceIndex& places_;
   const MeasurementModel model_;
   const MapperOptions options_;
+  LoopCloser loop_closer_;
   BundleWorker worker_;
   BundleProblem under_way_;
   int due_frame_ = 0;

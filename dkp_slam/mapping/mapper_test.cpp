@@ -238,5 +238,25 @@ TEST_F(Mapping, TheWorkerSolvesWhatASingleThreadSolves) {
   worker.submit(problem, BundleOptions());  // and may be left with work under way
 }
 
+TEST_F(Mapping, AKeyframeThatClosesALoopIsPutRight) {
+  MapperOptions options;
+  options.loops.detector.consistent = 1;
+  Mapper closing(map, places, MeasurementModel(), options);
+  Frame before = tracked_at({}, 0);
+  closing.insert_keyframe(before);
+  // Back in the same place by a way that is lost: it knows no landmark and is 15 cm off.
+  Frame after = tracked_at(pose(0.05, 0.0, 0.0), 1);
+  const Se3 truth = after.camera_from_world;
+  after.camera_from_world = pose(0.15, 0.0, 0.0) * truth;
+  closing.insert_keyframe(after);
+  ASSERT_EQ(closing.loops().size(), 1U);
+  EXPECT_EQ(closing.loops()[0].old_keyframe, 0);
+  EXPECT_NEAR(closing.loops()[0].moved, 0.15, 1e-4);
+  EXPECT_LT(pose_distance(after.camera_from_world, truth), 1e-4);
+  EXPECT_EQ(map.keyframe(1).camera_from_world.translation, after.camera_from_world.translation);
+  EXPECT_GT(map.keyframe(1).covisible.at(0), 200);
+  closing.finish(false);
+}
+
 }  // namespace
 }  // namespace dkp_slam

@@ -5,43 +5,13 @@
 
 #include <ceres/ceres.h>
 
+#include "dkp_slam/optimization/pose_block.h"
+#include "dkp_slam/optimization/stop_when_asked.h"
+
 namespace dkp_slam {
 namespace {
 
 constexpr double behind = 0.05;  // metres
-
-/// Pose block: quaternion (x y z w), translation. Costs give their derivatives by the left
-/// perturbation in the first six columns, so the manifold's own Jacobian is the identity's head.
-class PoseManifold final : public ceres::Manifold {
- public:
-  int AmbientSize() const override { return 7; }
-  int TangentSize() const override { return 6; }
-  bool Plus(const double* x, const double* delta, double* moved) const override {
-    const Se3 pose(Eigen::Quaterniond(x), Eigen::Vector3d(x[4], x[5], x[6]));
-    const Se3 next = Se3::exp(Eigen::Map<const Vector6d>(delta)) * pose;
-    Eigen::Map<Eigen::Vector4d>{moved} = next.rotation.coeffs();
-    Eigen::Map<Eigen::Vector3d>{moved + 4} = next.translation;
-    return true;
-  }
-  bool PlusJacobian(const double*, double* jacobian) const override {
-    Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> j(jacobian);
-    j.setZero();
-    j.topRows<6>().setIdentity();
-    return true;
-  }
-  bool Minus(const double* y, const double* x, double* delta) const override {
-    const Se3 a(Eigen::Quaterniond(y), Eigen::Vector3d(y[4], y[5], y[6]));
-    const Se3 b(Eigen::Quaterniond(x), Eigen::Vector3d(x[4], x[5], x[6]));
-    Eigen::Map<Vector6d>{delta} = (a * b.inverse()).log();
-    return true;
-  }
-  bool MinusJacobian(const double*, double* jacobian) const override {
-    Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>> j(jacobian);
-    j.setZero();
-    j.leftCols<6>().setIdentity();
-    return true;
-  }
-};
 
 using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>>;
 using PointJacobian = Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>;
@@ -107,30 +77,6 @@ class DepthCost final : public ceres::SizedCostFunction<2, 7, 3> {
  private:
   double depth_, scale_;
 };
-
-class StopWhenAsked final : public ceres::IterationCallback {
- public:
-  explicit StopWhenAsked(const std::atomic<bool>* stop) : stop_(stop) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return stop_ && *stop_ ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
-  }
-
- private:
-  const std::atomic<bool>* stop_;
-};
-
-using PoseBlock = std::array<double, 7>;
-
-PoseBlock block_of(const Se3& pose) {
-  PoseBlock b;
-  Eigen::Map<Eigen::Vector4d>(b.data()) = pose.rotation.coeffs();
-  Eigen::Map<Eigen::Vector3d>(b.data() + 4) = pose.translation;
-  return b;
-}
-
-Se3 pose_of(const PoseBlock& b) {
-  return {Eigen::Quaterniond(b.data()).normalized(), Eigen::Vector3d(b[4], b[5], b[6])};
-}
 
 /// One Ceres run over the sightings that are not outliers.
 class Round {

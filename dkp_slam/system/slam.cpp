@@ -11,8 +11,10 @@ Options with_seed(Options options, std::uint64_t seed) {
   return options;
 }
 
-MapperOptions with_realtime(MapperOptions options, bool realtime) {
-  options.realtime = realtime;
+MapperOptions mapper_options(const SlamOptions& all) {
+  MapperOptions options = all.mapper;
+  options.realtime = all.realtime;
+  options.loops.seed = all.seed;
   return options;
 }
 
@@ -21,7 +23,7 @@ MapperOptions with_realtime(MapperOptions options, bool realtime) {
 Slam::Slam(const SlamOptions& options)
     : options_(options),
       map_(options.camera, options.orb.scale, options.orb.levels),
-      mapper_(map_, places_, options.measurement, with_realtime(options.mapper, options.realtime)),
+      mapper_(map_, places_, options.measurement, mapper_options(options)),
       tracker_(map_, places_, mapper_, options.measurement,
                with_seed(options.tracker, options.seed)),
       dynamics_(options.camera, with_seed(options.dynamics, options.seed)) {}

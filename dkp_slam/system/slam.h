@@ -63,6 +63,7 @@ class Slam {
   Trajectory keyframe_trajectory() const;
 
   const Map& map() const { return map_; }
+  const std::vector<ClosedLoop>& loops() const { return mapper_.loops(); }
 
  private:
   const SlamOptions options_;

@@ -55,11 +55,13 @@ std::vector<int> further_landmarks(const Map& map, int keyframe, const Frame& fr
   return others;
 }
 
-bool try_keyframe(const Map& map, const MeasurementModel& model, std::uint64_t seed, int keyframe,
-                  Frame& frame) {
+}  // namespace
+
+int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uint64_t seed,
+                         int keyframe, Frame& frame) {
   std::vector<FrameMatch> matches = match_keyframe(map, map.keyframe(keyframe), frame);
-  if (matches.size() < least_matches) return false;
-  if (!align(map, model, seed, matches, frame)) return false;
+  if (matches.size() < least_matches) return 0;
+  if (!align(map, model, seed, matches, frame)) return 0;
   assign(matches, frame);
   const std::vector<int> others = further_landmarks(map, keyframe, frame);
   for (const FrameMatch& m :
@@ -67,15 +69,11 @@ bool try_keyframe(const Map& map, const MeasurementModel& model, std::uint64_t s
     if (frame.is_static[static_cast<std::size_t>(m.feature)]) matches.push_back(m);
   }
   const int inliers = refine_pose(map, model, frame, matches);
-  if (inliers < least_inliers) return false;
+  if (inliers < least_inliers) return 0;
   assign(matches, frame);
   frame.reference_keyframe = keyframe;
-  spdlog::info("frame {}: relocalised in keyframe {} with {} landmarks", frame.index, keyframe,
-               inliers);
-  return true;
+  return inliers;
 }
-
-}  // namespace
 
 bool relocalize(const Map& map, const PlaceIndex& places, const MeasurementModel& model,
                 std::uint64_t seed, Frame& frame) {
@@ -85,7 +83,11 @@ bool relocalize(const Map& map, const PlaceIndex& places, const MeasurementModel
   }
   std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
   for (const PlaceCandidate& c : places.query(map, descriptors, most_candidates)) {
-    if (try_keyframe(map, model, seed, c.keyframe, frame)) return true;
+    if (const int landmarks = localize_by_keyframe(map, model, seed, c.keyframe, frame)) {
+      spdlog::info("frame {}: relocalised in keyframe {} with {} landmarks", frame.index,
+                   c.keyframe, landmarks);
+      return true;
+    }
     std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
   }
   return false;

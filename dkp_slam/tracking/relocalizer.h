@@ -16,4 +16,9 @@ namespace dkp_slam {
 bool relocalize(const Map& map, const PlaceIndex& places, const MeasurementModel& model,
                 std::uint64_t seed, Frame& frame);
 
+/// The same from one keyframe and those around it. Returns how many landmarks the frame then has;
+/// 0 when its pose was not found.
+int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uint64_t seed,
+                         int keyframe, Frame& frame);
+
 }  // namespace dkp_slam
