@@ -20,6 +20,19 @@ cv::Rect2f mask_box(const ObjectMask& mask) {
   return cv::Rect2f(cv::Rect(r.x * step, r.y * step, r.width * step, r.height * step));
 }
 
+/// The part of a carried object's box that an object of the size last seen can fill.
+cv::Rect2f limited(const cv::Rect2f& box, const BoxTracker::Tracked& t,
+                   const BoxTrackerOptions& options) {
+  float growth = options.carried_growth;
+  // What has come nearer looks larger.
+  if (t.seen_depth > 0.0F && t.object.mean_depth > 0.0F) {
+    growth *= std::max(1.0F, t.seen_depth / t.object.mean_depth);
+  }
+  const cv::Size2f size(growth * t.seen_size.width, growth * t.seen_size.height);
+  const cv::Point2f centre = 0.5F * (t.whole_box.tl() + t.whole_box.br());
+  return box & cv::Rect2f(centre - 0.5F * cv::Point2f(size), size);
+}
+
 }  // namespace
 
 float box_iou(const cv::Rect2f& a, const cv::Rect2f& b) {
@@ -81,6 +94,8 @@ void BoxTracker::update(double time, const cv::Size& image,
     t.object.last_detected = t.last_confirmed = time;
     t.silhouette = d.mask;
     t.detected_box = d.box;
+    t.seen_size = d.box.size();
+    t.seen_depth = 0.0F;
   };
   for (const auto& [iou, o, d] : pairs) {
     if (object_taken[o] || detection_taken[d]) continue;
@@ -119,8 +134,9 @@ void BoxTracker::set_mask(std::size_t index, const ObjectMask& mask, bool moving
   t.object.mean_depth = mask.mean_depth;
   t.object.mask_share = mask.share;
   if (mask.empty()) return;
+  if (!t.object.compensated) t.seen_depth = mask.mean_depth;
   if (moving) t.last_confirmed = last_time_;
-  if (t.object.compensated) t.object.box = t.whole_box = mask_box(mask);
+  if (t.object.compensated) t.object.box = t.whole_box = limited(mask_box(mask), t, options_);
 }
 
 void BoxTracker::add_moving(const ObjectMask& mask) {
@@ -132,6 +148,8 @@ void BoxTracker::add_moving(const ObjectMask& mask) {
   fresh.object.mean_depth = mask.mean_depth;
   fresh.object.mask_share = mask.share;
   fresh.mask = mask;
+  fresh.seen_size = fresh.whole_box.size();
+  fresh.seen_depth = mask.mean_depth;
   objects_.push_back(std::move(fresh));
 }
 

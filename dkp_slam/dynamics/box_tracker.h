@@ -18,6 +18,9 @@ struct BoxTrackerOptions {
   /// How long an object lives without a detection. YOLOX-nano misses torsos at the image border
   /// for more than a second at a time; half a second is measurably too short.
   double carry_seconds = 1.5;
+  /// A carried object's sides may become this much longer than when it was seen, beside what its
+  /// coming nearer explains: a mask that runs over into the wall behind would grow for ever.
+  float carried_growth = 1.3F;
   /// A carried object that keeps less than this share of its box in the image has left.
   float leaving_share = 0.15F;
   /// Carried objects whose box lies in a detected one's by this share are the same person.
@@ -44,6 +47,8 @@ class BoxTracker {
     ObjectMask mask;    ///< of the newest frame once `set_mask` was called, else of the one before
     cv::Point2f shift;  ///< pixels it moved since the frame before
     double last_confirmed = 0.0;  ///< seconds: detected, or seen to move
+    cv::Size2f seen_size;         ///< of the box when it was last detected, pixels
+    float seen_depth = 0.0F;      ///< T at that time, metres; 0 for unknown
   };
 
   /// Objects after the newest frame, in the order of their id.

@@ -116,6 +116,45 @@ TEST(BoxTracker, SeenToMoveIsAsGoodAsDetected) {
   EXPECT_EQ(tracker.objects()[0].object.last_detected, 0.0);
 }
 
+/// A mask that fills the box, pixels of the image, at a depth.
+ObjectMask mask_of(const cv::Rect& box, float depth) {
+  ObjectMask mask;
+  constexpr int step = DepthView::step;
+  mask.area = cv::Rect(box.x / step, box.y / step, box.width / step, box.height / step);
+  mask.mask = cv::Mat(mask.area.size(), CV_8UC1, cv::Scalar(255));
+  mask.mean_depth = depth;
+  mask.share = 0.5F;
+  return mask;
+}
+
+TEST(BoxTracker, ACarriedMaskThatRunsOverIntoTheRoomDoesNotTakeTheBoxAlong) {
+  BoxTracker tracker({});
+  tracker.add_moving(mask_of({200, 100, 100, 200}, 2.0F));
+  for (int i = 0; i < 30; ++i) {
+    tracker.update(i / 30.0, image, {}, {cv::Point2f(0.0F, 0.0F)});
+    ASSERT_EQ(tracker.objects().size(), 1U);
+    const cv::Rect2f box = tracker.objects()[0].object.box;
+    const cv::Rect wider(int(box.x) - 20, int(box.y) - 20, int(box.width) + 40,
+                         int(box.height) + 40);
+    tracker.set_mask(0, mask_of(wider & cv::Rect({0, 0}, image), 2.0F), true);
+  }
+  const cv::Rect2f box = tracker.objects()[0].object.box;
+  EXPECT_NEAR(box.width, 130.0F, 4.0F);  // 1.3 times what it was
+  EXPECT_NEAR(box.height, 260.0F, 4.0F);
+  EXPECT_NEAR(box.x + 0.5F * box.width, 250.0F, 4.0F);
+}
+
+TEST(BoxTracker, ACarriedObjectThatComesNearerGrows) {
+  BoxTracker tracker({});
+  tracker.add_moving(mask_of({200, 100, 100, 200}, 3.0F));
+  tracker.update(0.1, image, {}, {cv::Point2f(0.0F, 0.0F)});
+  tracker.set_mask(0, mask_of({150, 0, 200, 400}, 1.5F), true);
+  EXPECT_NEAR(tracker.objects()[0].object.box.width, 200.0F, 2.0F);
+  tracker.update(0.2, image, {}, {cv::Point2f(0.0F, 0.0F)});
+  tracker.set_mask(0, mask_of({150, 0, 200, 400}, 3.0F), true);  // as far off as it was: too large
+  EXPECT_NEAR(tracker.objects()[0].object.box.width, 130.0F, 2.0F);
+}
+
 TEST(BoxIou, KnownValues) {
   EXPECT_FLOAT_EQ(box_iou({0, 0, 10, 10}, {5, 0, 10, 10}), 50.0F / 150.0F);
   EXPECT_FLOAT_EQ(box_iou({0, 0, 10, 10}, {20, 0, 10, 10}), 0.0F);

@@ -349,6 +349,14 @@ TEST_F(RealSlam, FindsItsPlaceAgainAfterTheLensWasCovered) {
   EXPECT_LE(error.statistics.rmse, 0.0150);
 }
 
+TEST_F(RealSlam, Freiburg3WalkingHalfsphereWithTheMotionDetector) {
+  const std::string name = "fr3_walking_halfsphere_50";
+  const Outcome outcome =
+      run(open(name), motion_detector(camera_of(name)), camera_of(name), DynamicsMode::dkp_plus);
+  EXPECT_EQ(outcome.lost(), std::vector<int>());
+  EXPECT_LE(absolute_error(read_trajectory(truth_of(name)), outcome.path).statistics.rmse, 0.0150);
+}
+
 TEST_F(RealSlamWithYolox, Freiburg3WalkingHalfsphere) {
   EXPECT_LE(error_with_yolox("fr3_walking_halfsphere_50"), 0.0130);
 }
