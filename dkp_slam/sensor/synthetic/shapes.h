@@ -6,11 +6,9 @@
 #include <Eigen/Core>
 
 #include "dkp_slam/geometry/se3.h"
-#include "dkp_slam/sensor/synthetic/texture.h"
+#include "dkp_slam/sensor/synthetic/mesh.h"
 
 namespace dkp_slam {
-
-using TexturePtr = std::shared_ptr<const Texture>;
 
 /// A textured rectangle: origin + a edge_u + b edge_v, a and b in 0..1, edges at right angles,
 /// metres. Seen from both sides.
