@@ -1,6 +1,7 @@
 #include "dkp_slam/sensor/synthetic/source.h"
 
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,7 +12,36 @@ namespace dkp_slam {
 namespace {
 
 constexpr double first_stamp = 1000.0;  // seconds; 0 would hide errors of time arithmetic
-constexpr double image_noise = 1.5;     // grey levels, a consumer camera's in a lit room
+
+/// Boxes of everything in an image of instance numbers.
+std::vector<SyntheticObject> objects_in(const cv::Mat& instance,
+                                        const std::vector<std::shared_ptr<const Actor>>& actors) {
+  struct Extent {
+    int left = 1 << 30, right = -1, top = 1 << 30, bottom = -1, pixels = 0;
+  };
+  std::vector<Extent> extents(actors.size());
+  for (int y = 0; y < instance.rows; ++y) {
+    const auto* row = instance.ptr<std::uint8_t>(y);
+    for (int x = 0; x < instance.cols; ++x) {
+      if (row[x] == 0) continue;
+      Extent& e = extents.at(row[x] - 1U);
+      e.left = std::min(e.left, x);
+      e.right = std::max(e.right, x);
+      e.top = std::min(e.top, y);
+      e.bottom = std::max(e.bottom, y);
+      ++e.pixels;
+    }
+  }
+  std::vector<SyntheticObject> objects;
+  for (std::size_t i = 0; i < extents.size(); ++i) {
+    const Extent& e = extents[i];
+    if (e.pixels == 0) continue;
+    objects.push_back({static_cast<int>(i) + 1, actors[i]->class_name(),
+                       cv::Rect(cv::Point(e.left, e.top), cv::Point(e.right + 1, e.bottom + 1)),
+                       e.pixels});
+  }
+  return objects;
+}
 
 }  // namespace
 
@@ -27,63 +57,19 @@ Camera SyntheticOptions::default_camera() {
 
 SyntheticOptions synthetic_scenario(const std::string& name) {
   SyntheticOptions options;
-  if (name == "walking_halfsphere") {
-    options.motion = SyntheticMotion::halfsphere;
-  } else if (name == "walking_static") {
-    options.motion = SyntheticMotion::still;
-  } else if (name == "static_xyz") {
-    options.people = 0;
-  } else if (name != "walking_xyz") {
-    throw Error(
-        fmt::format("no scenario \"{}\"; there are walking_xyz, walking_halfsphere, "
-                    "walking_static and static_xyz",
-                    name));
-  }
+  options.scenario = name;
+  options.frames = default_frames(name);
   return options;
 }
 
-SyntheticSource::SyntheticSource(const SyntheticOptions& options)
-    : options_(options), world_(options.seed, options.people) {
+SyntheticSource::SyntheticSource(const SyntheticOptions& options) : options_(options) {
   if (const auto reason = options.camera.check()) throw Error("camera: " + *reason);
-}
-
-std::string SyntheticSource::description() const {
-  return fmt::format("synthetic world, seed {}", options_.seed);
-}
-
-double SyntheticSource::timestamp(std::size_t index) const {
-  constexpr double microseconds = 1e6;
-  const double time = static_cast<double>(index) / options_.camera.frame_rate;
-  return std::round((first_stamp + time) * microseconds) / microseconds;
-}
-
-Se3 SyntheticSource::world_from_camera(double timestamp) const {
-  return camera_pose(options_.motion, options_.seed, timestamp - first_stamp);
-}
-
-std::optional<RgbdFrame> SyntheticSource::read() {
-  if (next_ >= options_.frames) return std::nullopt;
-  RgbdFrame frame;
-  frame.index = static_cast<int>(next_);
-  frame.timestamp = timestamp(next_);
-  truth_.world_from_camera = world_from_camera(frame.timestamp);
-  const Rendering seen =
-      world_.render(options_.camera, truth_.world_from_camera, frame.timestamp - first_stamp);
-  truth_.depth = seen.depth;
-  truth_.mask = seen.mask;
-  frame.colour = seen.colour;
-  if (options_.kinect_noise) {
-    // Each frame has a generator of its own, so that it does not depend on those before it.
-    cv::RNG rng((options_.seed << 24U) + next_ + 1);
-    frame.depth = kinect_depth(seen.depth, options_.camera, rng);
-    add_image_noise(&frame.colour, image_noise, rng);
-  } else {
-    frame.depth = seen.depth.clone();
-    frame.depth.setTo(
-        0.0, (frame.depth < options_.camera.min_depth) | (frame.depth > options_.camera.max_depth));
+  scenario_ = make_scenario(options.scenario, options.seed);
+  if (!options_.trajectory.empty()) follow(recorded_motion(options_.trajectory));
+  if (scenario_.drops_frames) {
+    arriving_ = arriving_frames(options_.frames, options_.camera.frame_rate, options_.seed);
   }
-  ++next_;
-  return frame;
+  renderer_ = std::make_unique<Renderer>(scenario_.place, scenario_.actors, scenario_.brightness);
 }
 
 }  // namespace dkp_slam

@@ -1,0 +1,124 @@
+#include "dkp_slam/sensor/synthetic/moved_things.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "dkp_slam/error.h"
+#include "dkp_slam/sensor/synthetic/patterns.h"
+
+namespace dkp_slam {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+Se3 between(const Se3& a, const Se3& b, double share) {
+  return {a.rotation.slerp(share, b.rotation),
+          (1.0 - share) * a.translation + share * b.translation};
+}
+
+/// Stands on the floor, front (-y) along `ahead`.
+Se3 on_floor(const Vector2d& place, const Vector2d& ahead) {
+  const double heading = std::atan2(ahead.y(), ahead.x()) + 0.5 * std::numbers::pi;
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(heading, Vector3d::UnitZ())),
+          Vector3d(place.x(), place.y(), 0.0)};
+}
+
+}  // namespace
+
+double eased(double time, double from, double to) {
+  const double u = std::clamp((time - from) / (to - from), 0.0, 1.0);
+  return u * u * (3.0 - 2.0 * u);
+}
+
+Stay stay_at(const Figure& figure, const Vector2d& place, double after) {
+  constexpr double step = 0.01, longest = 180.0, near = 0.05;
+  const auto is_there = [&](double time) {
+    return (figure.root(time).translation.head<2>() - place).norm() < near;
+  };
+  Stay stay{after, after};
+  while (!is_there(stay.arrives)) {
+    stay.arrives += step;
+    if (stay.arrives > after + longest) {
+      throw Error(fmt::format("scenario: a figure never comes to ({:.2f}, {:.2f}) after {:.1f} s",
+                              place.x(), place.y(), after));
+    }
+  }
+  stay.leaves = stay.arrives;
+  while (is_there(stay.leaves) && stay.leaves < stay.arrives + longest) stay.leaves += step;
+  return stay;
+}
+
+RigidActor::Motion pushed(std::shared_ptr<const Figure> figure, const Se3& root_from_thing,
+                          double from, double to) {
+  return [figure = std::move(figure), root_from_thing, from, to](double time) {
+    return figure->root(std::clamp(time, from, to)) * root_from_thing;
+  };
+}
+
+RigidActor::Motion carried(std::shared_ptr<const Figure> figure, const Se3& hands_from_thing,
+                           const Se3& rest, const Se3& goal, double from, double to) {
+  return [=, figure = std::move(figure)](double time) {
+    if (time <= from - 1.0) return rest;
+    if (time >= to + 1.0) return goal;
+    const Se3 held = figure->hands(time) * hands_from_thing;
+    if (time < from) return between(rest, held, eased(time, from - 1.0, from));
+    return between(held, goal, eased(time, to, to + 1.0));
+  };
+}
+
+RigidActor::Motion rolling(const std::vector<Vector2d>& way_points, double speed, double pause) {
+  constexpr double rounding = 0.25;  // metres before and behind a corner
+  std::vector<double> ways = {0.0};
+  for (std::size_t i = 1; i < way_points.size(); ++i) {
+    ways.push_back(ways.back() + (way_points[i] - way_points[i - 1]).norm());
+  }
+  const auto on_line = [=](double way) -> Vector2d {
+    std::size_t i = 1;
+    while (i + 1 < ways.size() && way > ways[i]) ++i;
+    const double share = (way - ways[i - 1]) / (ways[i] - ways[i - 1]);
+    // Beyond the ends it goes straight on, so that the heading is known there too.
+    return way_points[i - 1] + share * (way_points[i] - way_points[i - 1]);
+  };
+  const double length = ways.back(), ride = length / speed;
+  return [=](double time) {
+    const double phase = std::fmod(std::max(time, 0.0), 2.0 * (pause + ride));
+    const bool back = phase >= pause + ride;
+    const double since = phase - (back ? pause + ride : 0.0) - pause;
+    const double done = length * eased(since, 0.0, ride);
+    const double way = back ? length - done : done;
+    const Vector2d rear = on_line(way - rounding), front = on_line(way + rounding);
+    // It does not turn about for the way back.
+    return on_floor(0.25 * rear + 0.5 * on_line(way) + 0.25 * front, front - rear);
+  };
+}
+
+std::vector<Mesh> robot(cv::RNG& rng) {
+  const auto painted = [&](const cv::Scalar& colour) {
+    return std::make_shared<const Texture>(paint_pattern(rng, {64, 64}, colour, 8.0));
+  };
+  const auto at = [](double x, double y, double z) {
+    return Se3(Eigen::Quaterniond::Identity(), Vector3d(x, y, z));
+  };
+  const TexturePtr rubber = painted({45, 45, 45}), shell = painted({190, 205, 210});
+  const auto labels = std::make_shared<const Texture>(poster_pattern(rng, {256, 192}));
+  std::vector<Mesh> meshes;
+  for (const double x : {-0.20, 0.20}) {
+    for (const double y : {-0.18, 0.18}) {
+      meshes.push_back(at(x, y, 0.06) * box_mesh({0.05, 0.12, 0.12}, rubber));
+    }
+  }
+  meshes.push_back(at(0.0, 0.0, 0.25) * box_mesh({0.44, 0.50, 0.30}, labels));
+  meshes.push_back(at(0.0, 0.12, 0.0) *
+                   lathe_mesh({{0.05, 1.0}, {0.05, 0.7}, {0.07, 0.4}}, 16, shell));
+  meshes.push_back(at(0.0, 0.0, 0.62) * box_mesh({0.36, 0.36, 0.03}, shell));
+  meshes.push_back(at(0.0, -0.02, 0.72) * box_mesh({0.26, 0.22, 0.17}, labels));
+  meshes.push_back(at(0.0, 0.08, 1.02) * box_mesh({0.32, 0.06, 0.22}, labels));
+  return meshes;
+}
+
+}  // namespace dkp_slam
