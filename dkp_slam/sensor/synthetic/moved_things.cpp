@@ -35,11 +35,9 @@ double eased(double time, double from, double to) {
   return u * u * (3.0 - 2.0 * u);
 }
 
-Stay stay_at(const Figure& figure, const Vector2d& place, double after) {
+Stay stay_at(const PlaceOverTime& figure, const Vector2d& place, double after) {
   constexpr double step = 0.01, longest = 180.0, near = 0.05;
-  const auto is_there = [&](double time) {
-    return (figure.root(time).translation.head<2>() - place).norm() < near;
-  };
+  const auto is_there = [&](double time) { return (figure(time) - place).norm() < near; };
   Stay stay{after, after};
   while (!is_there(stay.arrives)) {
     stay.arrives += step;
@@ -61,17 +59,22 @@ RigidActor::Motion pushed(std::shared_ptr<const Figure> figure, const Se3& root_
 }
 
 RigidActor::Motion carried(std::shared_ptr<const Figure> figure, const Se3& hands_from_thing,
-                           const Se3& rest, const Se3& goal, double from, double to) {
-  return [=, figure = std::move(figure)](double time) {
-    if (time <= from - 1.0) return rest;
-    if (time >= to + 1.0) return goal;
+                           std::vector<Carriage> carriages) {
+  return [=, figure = std::move(figure), carriages = std::move(carriages)](double time) {
+    // The carriage that is on, or else the one before: the thing then rests at its goal.
+    std::size_t i = 0;
+    while (i + 1 < carriages.size() && time > carriages[i + 1].from - 1.0) ++i;
+    const Carriage& c = carriages[i];
+    if (time <= c.from - 1.0) return c.start;
+    if (time >= c.to + 1.0) return c.goal;
     const Se3 held = figure->hands(time) * hands_from_thing;
-    if (time < from) return between(rest, held, eased(time, from - 1.0, from));
-    return between(held, goal, eased(time, to, to + 1.0));
+    if (time < c.from) return between(c.start, held, eased(time, c.from - 1.0, c.from));
+    return between(held, c.goal, eased(time, c.to, c.to + 1.0));
   };
 }
 
-RigidActor::Motion rolling(const std::vector<Vector2d>& way_points, double speed, double pause) {
+RigidActor::Motion rolling(const std::vector<Vector2d>& way_points, double speed, double departure,
+                           double pause) {
   constexpr double rounding = 0.25;  // metres before and behind a corner
   std::vector<double> ways = {0.0};
   for (std::size_t i = 1; i < way_points.size(); ++i) {
@@ -86,9 +89,9 @@ RigidActor::Motion rolling(const std::vector<Vector2d>& way_points, double speed
   };
   const double length = ways.back(), ride = length / speed;
   return [=](double time) {
-    const double phase = std::fmod(std::max(time, 0.0), 2.0 * (pause + ride));
-    const bool back = phase >= pause + ride;
-    const double since = phase - (back ? pause + ride : 0.0) - pause;
+    const double phase = std::fmod(std::max(time - departure, 0.0), 2.0 * (ride + pause));
+    const bool back = phase >= ride + pause;
+    const double since = back ? phase - ride - pause : phase;
     const double done = length * eased(since, 0.0, ride);
     const double way = back ? length - done : done;
     const Vector2d rear = on_line(way - rounding), front = on_line(way + rounding);

@@ -29,7 +29,7 @@ constexpr double notable_gap = 0.5;        // seconds
 constexpr double least_uprightness = 0.5;  // of the mean upward direction: 60 degrees off
 
 // The part of the office that is free for a camera: the walls are at x = -2.7 and 2.7, y = -2.4,
-// the desk begins at about y = 1.6.
+// the desk begins at y = 1.65.
 const Vector3d free_from(-2.3, -2.1, 0.4), free_to(2.3, 1.2, 2.4);
 
 struct Sample {
