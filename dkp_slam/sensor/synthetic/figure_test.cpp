@@ -1,0 +1,3 @@
+#include "dkp_slam/sensor/synthetic/figure.h"
+
+#include <gtest/gtest.h>
