@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include "dkp_slam/error.h"
-#include "dkp_slam/sensor/synthetic/patterns.h"
+#include "dkp_slam/sensor/synthetic/furniture.h"
+#include "dkp_slam/sensor/synthetic/furniture_kit.h"
+#include "dkp_slam/sensor/synthetic/prints.h"
 
 namespace dkp_slam {
 namespace {
@@ -101,27 +103,22 @@ RigidActor::Motion rolling(const std::vector<Vector2d>& way_points, double speed
 }
 
 std::vector<Mesh> robot(cv::RNG& rng) {
-  const auto painted = [&](const cv::Scalar& colour) {
-    return std::make_shared<const Texture>(paint_pattern(rng, {64, 64}, colour, 8.0));
-  };
-  const auto at = [](double x, double y, double z) {
-    return Se3(Eigen::Quaterniond::Identity(), Vector3d(x, y, z));
-  };
-  const TexturePtr rubber = painted({45, 45, 45}), shell = painted({190, 205, 210});
-  const auto labels = std::make_shared<const Texture>(poster_pattern(rng, {256, 192}));
-  std::vector<Mesh> meshes;
+  FurnitureKit kit(rng);
+  const Material rubber = kit.smooth({45, 45, 45}), shell = kit.smooth({190, 205, 210});
+  const Material cover = kit.smooth(room_colour(rng, 60, 200));
   for (const double x : {-0.20, 0.20}) {
-    for (const double y : {-0.18, 0.18}) {
-      meshes.push_back(at(x, y, 0.06) * box_mesh({0.05, 0.12, 0.12}, rubber));
-    }
+    for (const double y : {-0.18, 0.18}) kit.block({x, y, 0.061}, {0.05, 0.12, 0.12}, rubber);
   }
-  meshes.push_back(at(0.0, 0.0, 0.25) * box_mesh({0.44, 0.50, 0.30}, labels));
-  meshes.push_back(at(0.0, 0.12, 0.0) *
-                   lathe_mesh({{0.05, 1.0}, {0.05, 0.7}, {0.07, 0.4}}, 16, shell));
-  meshes.push_back(at(0.0, 0.0, 0.62) * box_mesh({0.36, 0.36, 0.03}, shell));
-  meshes.push_back(at(0.0, -0.02, 0.72) * box_mesh({0.26, 0.22, 0.17}, labels));
-  meshes.push_back(at(0.0, 0.08, 1.02) * box_mesh({0.32, 0.06, 0.22}, labels));
-  return meshes;
+  kit.cushion({0.0, 0.0, 0.25}, {0.46, 0.52, 0.28}, 0.05, cover);
+  kit.turned({0.0, 0.12, 0.38}, {{0.05, 0.60}, {0.05, 0.30}, {0.07, 0.0}}, 16, shell);
+  kit.block({0.0, 0.0, 0.62}, {0.38, 0.38, 0.03}, shell);
+  kit.place(cardboard_box(rng, {0.28, 0.24, 0.18}), {0.0, -0.04, 0.636});
+  kit.block({0.0, 0.10, 1.02}, {0.36, 0.06, 0.24}, rubber);
+  const Vector3d x(0.32, 0.0, 0.0), down(0.0, 0.0, -0.20);
+  kit.picture({-0.16, 0.069, 1.12}, x, down, make_texture(browser_print(rng, {256, 160})), 0.6F);
+  kit.picture({-0.19, -0.262, 0.34}, {0.38, 0.0, 0.0}, {0.0, 0.0, -0.16},
+              make_texture(any_poster_print(rng, {152, 64})));
+  return kit.meshes;
 }
 
 }  // namespace dkp_slam

@@ -43,8 +43,8 @@ RigidActor::Motion carried(std::shared_ptr<const Figure> figure, const Se3& hand
                            std::vector<Carriage> carriages);
 
 /// A thing that rolls by itself along way points on the floor (x, y; metres) and back again, over
-/// and over, its front (-y) ahead on the way there: `speed` metres a second on the average, first at
-/// `departure`, with a pause of `pause` seconds at either end. Corners are rounded.
+/// and over, its front (-y) ahead on the way there: `speed` metres a second on the average, first
+/// at `departure`, with a pause of `pause` seconds at either end. Corners are rounded.
 RigidActor::Motion rolling(const std::vector<Eigen::Vector2d>& way_points, double speed,
                            double departure, double pause);
 

@@ -1,6 +1,9 @@
 #include "dkp_slam/sensor/synthetic/source.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +15,7 @@ namespace dkp_slam {
 namespace {
 
 constexpr double first_stamp = 1000.0;  // seconds; 0 would hide errors of time arithmetic
+constexpr double exposure = 0.008;      // seconds, of a colour camera in a lit room
 
 /// Boxes of everything in an image of instance numbers.
 std::vector<SyntheticObject> objects_in(const cv::Mat& instance,
@@ -64,12 +68,84 @@ SyntheticOptions synthetic_scenario(const std::string& name) {
 
 SyntheticSource::SyntheticSource(const SyntheticOptions& options) : options_(options) {
   if (const auto reason = options.camera.check()) throw Error("camera: " + *reason);
-  scenario_ = make_scenario(options.scenario, options.seed);
-  if (!options_.trajectory.empty()) follow(recorded_motion(options_.trajectory));
+  std::optional<RecordedMotion> recorded;
+  // Before the scenario, which takes longer to make than a bad file to find.
+  if (!options_.trajectory.empty()) recorded = recorded_motion(options_.trajectory);
+  scenario_ = make_scenario(options_.scenario, options_.seed);
+  if (recorded) scenario_.camera = recorded->motion;
+  plan_frames(recorded ? std::optional(recorded->duration) : std::nullopt);
+  renderer_ =
+      std::make_unique<const Renderer>(scenario_.place, scenario_.actors, scenario_.brightness);
+}
+
+void SyntheticSource::plan_frames(std::optional<double> duration) {
+  const double rate = options_.camera.frame_rate;
+  std::size_t& frames = options_.frames;
+  constexpr double rounding = 1e-6;  // seconds
+  const std::size_t possible =
+      duration ? static_cast<std::size_t>((*duration + rounding) * rate) + 1 : frames;
+  const std::size_t wanted = frames == 0 ? possible : frames;
   if (scenario_.drops_frames) {
-    arriving_ = arriving_frames(options_.frames, options_.camera.frame_rate, options_.seed);
+    arriving_ = arriving_frames(wanted, rate, options_.seed);
+  } else {
+    arriving_.resize(wanted);
+    std::iota(arriving_.begin(), arriving_.end(), std::size_t{0});
   }
-  renderer_ = std::make_unique<Renderer>(scenario_.place, scenario_.actors, scenario_.brightness);
+  if (duration && frames == 0) {
+    arriving_.erase(std::lower_bound(arriving_.begin(), arriving_.end(), possible),
+                    arriving_.end());
+  }
+  if (duration && !arriving_.empty() && arriving_.back() >= possible) {
+    throw Error(fmt::format("{}: the path lasts {:.2f} s, which are {} frames; {} are too many",
+                            options_.trajectory.string(), *duration, possible, frames));
+  }
+  frames = arriving_.size();
+}
+
+std::string SyntheticSource::description() const {
+  return fmt::format("synthetic {}, seed {}", options_.scenario, options_.seed);
+}
+
+double SyntheticSource::timestamp(std::size_t index) const {
+  constexpr double microseconds = 1e6;
+  const double time = static_cast<double>(arriving_.at(index)) / options_.camera.frame_rate;
+  return std::round((first_stamp + time) * microseconds) / microseconds;
+}
+
+Se3 SyntheticSource::world_from_camera(double timestamp) const {
+  return scenario_.camera(timestamp - first_stamp);
+}
+
+std::optional<RgbdFrame> SyntheticSource::read() {
+  if (next_ >= options_.frames) return std::nullopt;
+  RgbdFrame frame;
+  frame.index = static_cast<int>(next_);
+  frame.timestamp = timestamp(next_);
+  RenderOptions rendering;
+  rendering.exposure = exposure;
+  rendering.readout = options_.camera.readout;
+  const double time = frame.timestamp - first_stamp;
+  const Rendering seen = renderer_->render(options_.camera, scenario_.camera, time, rendering);
+  truth_.world_from_camera = scenario_.camera(time);
+  truth_.depth = seen.depth;
+  truth_.instance = seen.instance;
+  truth_.mask = seen.instance != 0;
+  truth_.objects = objects_in(seen.instance, scenario_.actors);
+  // Each frame has a generator of its own, so that it does not depend on those before it.
+  cv::RNG rng((options_.seed << 24U) + arriving_[next_] + 1);
+  cv::Mat tone;
+  cv::pow(cv::max(seen.radiance * 0.8, 0.0), 1.0 / 2.2, tone);
+  tone.convertTo(frame.colour, CV_8UC3, 255.0);
+  if (options_.kinect_noise) {
+    frame.depth = kinect_depth(seen.depth, options_.camera, rng);
+    add_image_noise(&frame.colour, 1.5, rng);
+  } else {
+    frame.depth = seen.depth.clone();
+    frame.depth.setTo(
+        0.0, (frame.depth < options_.camera.min_depth) | (frame.depth > options_.camera.max_depth));
+  }
+  ++next_;
+  return frame;
 }
 
 }  // namespace dkp_slam

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ namespace dkp_slam {
 
 struct SyntheticOptions {
   std::string scenario = "walking_xyz";
-  std::size_t frames = 600;  ///< as many arrive, at the camera's frame rate
+  /// As many arrive, at the camera's frame rate; 0: as many as the trajectory lasts.
+  std::size_t frames = 600;
   std::uint64_t seed = 1;
   /// Noise, quantisation, shadows, holes and range limits of a Kinect's depth, noise of its colour.
   /// Without: exact depth within the range limits, colour with exposure, vignetting and motion
@@ -74,9 +76,12 @@ class SyntheticSource : public RgbdSource {
   Se3 world_from_camera(double timestamp) const;
 
  private:
+  /// `duration`: of a recorded path, seconds.
+  void plan_frames(std::optional<double> duration);
+
   SyntheticOptions options_;
   Scenario scenario_;
-  std::vector<std::size_t> arriving_;  ///< which of the camera's frames; empty: all
+  std::vector<std::size_t> arriving_;  ///< which of the frames that the camera takes
   std::unique_ptr<const Renderer> renderer_;
   SyntheticTruth truth_;
   std::size_t next_ = 0;
