@@ -25,7 +25,7 @@ enum class SyntheticMotion {
 
 /// Where a motion is in the office: about what it moves and which way it looks on the average.
 struct Standpoint {
-  Eigen::Vector3d position{0.0, -1.10, 1.40};  ///< metres; a standing man's chest, before the desk
+  Eigen::Vector3d position{0.0, -1.30, 1.40};  ///< metres; a standing man's chest, before the desk
   double heading = 0.0;                        ///< radians from +y towards -x
   double pitch = -0.15;                        ///< radians, up is positive: at the desk's things
 };

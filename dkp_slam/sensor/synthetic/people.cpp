@@ -27,7 +27,7 @@ constexpr double carried_for = 600.0;
 // The office's floor as furniture leaves it free: the desk reaches from x = -0.95 to 0.95 and from
 // y = 1.65 to 2.45, with a chair before it at (-0.25, 1.43); a second desk is left of x = -1.93,
 // its chair at (-1.56, 0.65); cupboards are right of x = 2.2; a plant bars the way behind the desk
-// at x = -1.15. The built-in motions keep the camera within 0.8 m of (0, -1.1).
+// at x = -1.15. The built-in motions keep the camera within 1 m of (0, -1.3).
 struct Seat {
   Vector2d place;
   double heading;
@@ -130,7 +130,7 @@ void two_walk(std::uint64_t seed, Scenario& scenario) {
   cv::RNG rng = generator(seed);
   add_seat(scenario, rng, left_seat);
   add_seat(scenario, rng, right_seat);
-  constexpr double period = 32.0;  // seconds
+  constexpr double period = 35.0;  // seconds
   const FigureOptions walker = with_period(
       seated(left_seat,
              {sit(left_seat, 1.5, Gesture::talk), walk(-0.70, 0.75), walk(1.20, 0.55),
@@ -218,7 +218,7 @@ void close_up(std::uint64_t seed, Scenario& scenario) {
     return {x / count, nearest + margin};
   };
   for (double from = 0.0; from < carried_for;) {
-    const double lane = before_camera(from, from + 6.0, 0.75).y();
+    const double lane = before_camera(from, from + 10.0, 0.75).y();
     const auto visiting = [&](const Vector2d& place) {
       FigureOptions visit = options;
       for (const Activity& a :
@@ -235,7 +235,8 @@ void close_up(std::uint64_t seed, Scenario& scenario) {
       place = before_camera(stay.arrives - 0.8, stay.leaves + 0.8, 0.45);
     }
     options = visiting(place);
-    from = stay_at(places_of(options), door, from + 3.0).arrives + 1.5;
+    const PlaceOverTime places = places_of(options);
+    from = stay_at(places, door, stay_at(places, place, from).leaves).arrives;
   }
   add_person(scenario, seed, 1, options);
 }
@@ -253,7 +254,7 @@ void moved_furniture(std::uint64_t seed, Scenario& scenario) {
   const Vector2d before_drawer(1.45, 1.15);
   FigureOptions options =
       standing(outside, 0.5 * pi,
-               {stand(0.5 * pi, 7.5), walk(1.90, 0.10), walk(-0.80, 0.20), walk(behind_chair),
+               {stand(0.5 * pi, 5.0), walk(1.90, 0.10), walk(-0.80, 0.20), walk(behind_chair),
                 stand(0.0, 1.0, Gesture::carry), walk(chair_left, Gesture::carry),
                 stand(0.3, 0.5, Gesture::carry), walk(0.75, 1.20), walk(before_drawer),
                 stand(0.5 * pi, 2.2, Gesture::carry), walk(before_box),
@@ -283,7 +284,7 @@ void moved_furniture(std::uint64_t seed, Scenario& scenario) {
             carried(person, box_in_hands, {{at_box.leaves - 0.2, for_ever, box_at_rest, {}}}));
 
   const std::vector<Vector2d> way = {{1.90, 2.85}, {1.90, 0.45}, {-1.10, 0.20}, {-1.25, -1.20}};
-  constexpr double speed = 0.75, departure = 1.0, pause = 14.0;
+  constexpr double speed = 0.85, departure = 0.5, pause = 24.0;
   add_thing(scenario, robot(rng), rolling(way, speed, departure, pause));
 }
 
@@ -297,8 +298,11 @@ void lights(std::uint64_t seed, Scenario& scenario) {
 }
 
 void somebody_in_the_flat(std::uint64_t seed, Scenario& scenario) {
-  (void)seed;
-  (void)scenario;
+  // In the living room, beside the camera's way, to the window and back.
+  add_person(scenario, seed, 1,
+             standing({5.75, 6.9}, 0.5 * pi,
+                      {walk(5.75, 4.35), stand(-0.5 * pi, 1.5, Gesture::phone), walk(5.75, 6.9),
+                       stand(0.5 * pi, 2.0, Gesture::point)}));
 }
 
 }  // namespace dkp_slam

@@ -12,8 +12,10 @@
 namespace dkp_slam {
 namespace {
 
-constexpr std::size_t usual_frames = 600;  // 20 seconds
-constexpr double after_the_loop = 3.0;     // seconds: what was seen first is seen again
+constexpr double frame_rate = 30.0;
+constexpr std::size_t usual_frames = 600;
+constexpr std::size_t frames_of_moved_furniture = 960;  // until all has moved
+constexpr double after_the_loop = 3.0;  // seconds: what was seen first is seen again
 
 struct Recipe {
   ScenarioName name;
@@ -95,21 +97,21 @@ Scenario make_scenario(const std::string& name, std::uint64_t seed) {
 
 std::size_t default_frames(const std::string& name) {
   recipe(name);
+  if (name == "moved_furniture") return frames_of_moved_furniture;
   if (name != "flat_loop") return usual_frames;
   const double seconds = walking_length(flat_loop()) / camera_walking_speed + after_the_loop;
-  constexpr double frame_rate = 30.0;
   return static_cast<std::size_t>(seconds * frame_rate);
 }
 
-std::vector<std::size_t> arriving_frames(std::size_t count, double frame_rate, std::uint64_t seed) {
+std::vector<std::size_t> arriving_frames(std::size_t count, double rate, std::uint64_t seed) {
   cv::RNG rng(seed * 7919 + 3);
   std::vector<std::size_t> frames;
   double next_burst = rng.uniform(2.0, 4.0), next_single = rng.uniform(1.0, 1.6);
   for (std::size_t i = 0; frames.size() < count; ++i) {
-    const double time = static_cast<double>(i) / frame_rate;
+    const double time = static_cast<double>(i) / rate;
     if (time >= next_burst) {
       const double burst = rng.uniform(0.3, 1.0);
-      i += static_cast<std::size_t>(burst * frame_rate);
+      i += static_cast<std::size_t>(burst * rate);
       next_burst = time + burst + rng.uniform(2.5, 5.0);
       next_single = time + burst + rng.uniform(0.2, 1.2);
     } else if (time >= next_single) {

@@ -35,12 +35,12 @@ const std::vector<ScenarioName>& scenario_names();
 /// the seed changes colours, prints, people's looks and pace, and the camera's path.
 Scenario make_scenario(const std::string& name, std::uint64_t seed);
 
-/// Frames that a sequence of this scenario should have: 600, and of flat_loop as many as bring the
-/// camera around the flat and three seconds on.
+/// Frames that a sequence of this scenario should have, 30 a second: 600; of moved_furniture 960;
+/// of flat_loop as many as bring the camera around the flat and three seconds on.
 std::size_t default_frames(const std::string& name);
 
 /// Numbers of the `count` frames that arrive when some are lost on the way: now and then a single
 /// one, and every few seconds a burst of 0.3 to 1 second. The first second's are all there.
-std::vector<std::size_t> arriving_frames(std::size_t count, double frame_rate, std::uint64_t seed);
+std::vector<std::size_t> arriving_frames(std::size_t count, double rate, std::uint64_t seed);
 
 }  // namespace dkp_slam
