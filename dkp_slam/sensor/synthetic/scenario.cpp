@@ -41,7 +41,7 @@ const std::vector<Recipe>& recipes() {
       {{"sitting_xyz", "the same; the camera moves along its axes"}, slow_xyz, two_sit},
       {{"crowd", "five people walk and sit"}, xyz, crowd},
       {{"close_up", "somebody walks past the camera and stands before it, filling the view"},
-       xyz,
+       slow_xyz,
        close_up},
       {{"moved_furniture", "a chair, a drawer, a box and a robot move, with and without people"},
        xyz,
