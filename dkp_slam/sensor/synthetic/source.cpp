@@ -76,6 +76,9 @@ SyntheticSource::SyntheticSource(const SyntheticOptions& options) : options_(opt
   plan_frames(recorded ? std::optional(recorded->duration) : std::nullopt);
   renderer_ =
       std::make_unique<const Renderer>(scenario_.place, scenario_.actors, scenario_.brightness);
+  SensorOptions sensor;
+  sensor.noise = options_.kinect_noise;
+  sensor_.emplace(sensor, options_.seed);
 }
 
 void SyntheticSource::plan_frames(std::optional<double> duration) {
@@ -131,14 +134,11 @@ std::optional<RgbdFrame> SyntheticSource::read() {
   truth_.instance = seen.instance;
   truth_.mask = seen.instance != 0;
   truth_.objects = objects_in(seen.instance, scenario_.actors);
-  // Each frame has a generator of its own, so that it does not depend on those before it.
-  cv::RNG rng((options_.seed << 24U) + arriving_[next_] + 1);
-  cv::Mat tone;
-  cv::pow(cv::max(seen.radiance * 0.8, 0.0), 1.0 / 2.2, tone);
-  tone.convertTo(frame.colour, CV_8UC3, 255.0);
+  frame.colour = sensor_->expose(seen.radiance, time);
   if (options_.kinect_noise) {
+    // Each frame has a generator of its own, so that it does not depend on those before it.
+    cv::RNG rng((options_.seed << 24U) + arriving_[next_] + 1);
     frame.depth = kinect_depth(seen.depth, options_.camera, rng);
-    add_image_noise(&frame.colour, 1.5, rng);
   } else {
     frame.depth = seen.depth.clone();
     frame.depth.setTo(

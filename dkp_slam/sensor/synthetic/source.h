@@ -12,6 +12,7 @@
 #include "dkp_slam/sensor/rgbd_source.h"
 #include "dkp_slam/sensor/synthetic/renderer.h"
 #include "dkp_slam/sensor/synthetic/scenario.h"
+#include "dkp_slam/sensor/synthetic/sensor_effects.h"
 
 namespace dkp_slam {
 
@@ -83,6 +84,7 @@ class SyntheticSource : public RgbdSource {
   Scenario scenario_;
   std::vector<std::size_t> arriving_;  ///< which of the frames that the camera takes
   std::unique_ptr<const Renderer> renderer_;
+  std::optional<ColourSensor> sensor_;  ///< its exposure follows the frames
   SyntheticTruth truth_;
   std::size_t next_ = 0;
 };
