@@ -36,18 +36,24 @@ struct SynthArguments {
   bool force = false;
 };
 
-/// Makes the output folder with nothing of ours in it, or throws before anything is changed.
-void prepare_folder(const fs::path& out, bool force) {
+/// Throws unless `prepare_folder` may empty this folder of what this command writes.
+void check_folder(const fs::path& out, bool force) {
+  std::error_code unreadable;
+  if (!fs::exists(out, unreadable)) return;
+  if (!fs::is_directory(out, unreadable)) {
+    throw Error(out.string() + ": is no folder; give another --out");
+  }
+  if (!fs::is_empty(out, unreadable) && !fs::exists(out / marker, unreadable) && !force) {
+    throw Error(
+        fmt::format("{}: is not empty and was not made by this command; give another "
+                    "--out, or --force to write into it",
+                    out.string()));
+  }
+}
+
+/// Makes the output folder with nothing of ours in it.
+void prepare_folder(const fs::path& out) {
   try {
-    if (fs::exists(out) && !fs::is_directory(out)) {
-      throw Error(out.string() + ": is no folder; give another --out");
-    }
-    if (fs::exists(out) && !fs::is_empty(out) && !fs::exists(out / marker) && !force) {
-      throw Error(
-          fmt::format("{}: is not empty and was not made by this command; give another "
-                      "--out, or --force to write into it",
-                      out.string()));
-    }
     fs::create_directories(out);
     check_writable(out / marker);
     for (const std::string& name : SequenceWriter::names()) fs::remove_all(out / name);
@@ -83,11 +89,13 @@ void write_description(const SynthArguments& arguments, std::size_t frames) {
 }
 
 void synthesize(const SynthArguments& arguments) {
+  // What can be wrong is found before the folder is touched, and the cheap part of it first: to
+  // light the rooms takes seconds.
   const SyntheticOptions options = options_of(arguments);
-  // What is wrong with the trajectory is said before the folder is touched.
+  check_folder(arguments.out, arguments.force);
   SyntheticSource source(options);
   const std::size_t frames = *source.size();
-  prepare_folder(arguments.out, arguments.force);
+  prepare_folder(arguments.out);
   write_description(arguments, frames);
   SequenceWriter writer(arguments.out, options.camera);
   catch_interrupts();

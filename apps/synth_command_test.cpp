@@ -14,7 +14,6 @@
 #include "apps/commands.h"
 #include "apps/progress.h"
 #include "dkp_slam/detection/recorded_detector.h"
-#include "dkp_slam/detection/true_detections.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
@@ -92,22 +91,6 @@ TEST_F(SynthCommandTest, WritesASequenceThatReadsBackAsRendered) {
   // By time stamps as by associations.txt.
   fs::remove(out_ / "associations.txt");
   EXPECT_EQ(open_tum_folder(out_, camera)->size(), 3U);
-}
-
-TEST_F(SynthCommandTest, TrueMasksDetectionsHaveSilhouettes) {
-  SyntheticTruth truth;
-  truth.instance = cv::Mat::zeros(100, 100, CV_8U);
-  truth.instance(cv::Rect(10, 20, 30, 40)).setTo(1);
-  truth.instance(cv::Rect(60, 20, 20, 20)).setTo(2);
-  truth.instance(cv::Rect(5, 5, 3, 3)).setTo(3);
-  truth.objects = {{1, "person", {10, 20, 30, 40}, 1200},
-                   {2, "", {60, 20, 20, 20}, 400},
-                   {3, "chair", {5, 5, 3, 3}, 9}};
-  const auto found = true_detections(truth, {}, true);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].box, cv::Rect2f(10, 20, 30, 40));
-  EXPECT_EQ(cv::countNonZero(found[0].mask), 1200);
-  EXPECT_FLOAT_EQ(found[0].weight, 10.0F);
 }
 
 TEST_F(SynthCommandTest, TruthIsAHundredTimesASecondAndAtEveryFrame) {
