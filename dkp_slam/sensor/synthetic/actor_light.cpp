@@ -98,7 +98,8 @@ void ActorLight::shine(const Lamps& lamps, const Surface& surface, const Cube& c
       if (std::all_of(strength.begin(), strength.end(), [](float s) { return s <= 0.0F; })) {
         continue;
       }
-      const unsigned bits = scene_.blocked(rays, static_cast<int>(lanes));
+      const unsigned bits =
+          scene_.blocked(rays, static_cast<int>(lanes), EmbreeScene::What::still_and_frozen);
       for (std::size_t i = 0; i < lanes; ++i) {
         if ((bits >> i & 1U) == 0) (*lights)[first + i].head<3>().array() += strength[i];
       }
@@ -135,7 +136,7 @@ float light_lost_to_actors(const EmbreeScene& scene, const Lamps& lamps, const V
     for (std::size_t i = 0; i < packet_size; ++i) {
       rays[i] = lamps.towards(lamp, from, places[i][0], places[i][1]);
     }
-    unsigned shaded = scene.blocked(rays, packet_size, EmbreeScene::What::moving);
+    unsigned shaded = scene.blocked(rays, packet_size, EmbreeScene::What::frozen);
     // What furniture keeps away already, actors cannot keep away again.
     if (shaded != 0) shaded &= ~scene.blocked(rays, packet_size, EmbreeScene::What::still);
     lost += strength * static_cast<float>(std::popcount(shaded)) / packet_size;

@@ -44,6 +44,13 @@ RTCGeometry new_geometry(RTCDevice device, const Mesh& mesh, int time_steps) {
   return geometry;
 }
 
+/// Embree's packets miss what they should hit when a direction lies almost in an axis' plane and
+/// its reciprocal overflows; this is off by 5 micrometres at 5 metres.
+float off_zero(float component) {
+  constexpr float least = 1e-6F;
+  return std::abs(component) < least ? std::copysign(least, component) : component;
+}
+
 /// Into Embree's layout; lanes from `count` on stay idle.
 template <class Packet>
 void fill(const Rays& rays, int count, Packet* ray, int* valid) {
@@ -53,9 +60,9 @@ void fill(const Rays& rays, int count, Packet* ray, int* valid) {
     ray->org_x[i] = r.origin.x();
     ray->org_y[i] = r.origin.y();
     ray->org_z[i] = r.origin.z();
-    ray->dir_x[i] = r.direction.x();
-    ray->dir_y[i] = r.direction.y();
-    ray->dir_z[i] = r.direction.z();
+    ray->dir_x[i] = off_zero(r.direction.x());
+    ray->dir_y[i] = off_zero(r.direction.y());
+    ray->dir_z[i] = off_zero(r.direction.z());
     ray->tnear[i] = 0.0F;
     ray->tfar[i] = r.longest;
     ray->time[i] = r.moment;
@@ -69,9 +76,11 @@ void fill(const Rays& rays, int count, Packet* ray, int* valid) {
 
 struct EmbreeScene::Trees {
   RTCDevice device = nullptr;
-  RTCScene still = nullptr, moving = nullptr;
-  std::vector<RTCGeometry> actor_geometries;  ///< owned by `moving`
-  int time_steps = 0;                         ///< of these
+  RTCScene still = nullptr;
+  /// Actors in the middle of the time, and over all of it where that is longer than a moment.
+  RTCScene frozen = nullptr, moving = nullptr;
+  std::vector<RTCGeometry> frozen_geometries, moving_geometries;  ///< owned by the scenes
+  int time_steps = 0;                                             ///< of `moving`; 1: it is idle
 
   // Embree's default number of threads: a limit here would hold for all of TBB in this process.
   Trees() : device(rtcNewDevice(nullptr)) {
@@ -84,7 +93,9 @@ struct EmbreeScene::Trees {
     rtcSetSceneFlags(still, RTC_SCENE_FLAG_ROBUST);
   }
   ~Trees() {
-    if (moving != nullptr) rtcReleaseScene(moving);
+    for (RTCScene actors : {frozen, moving}) {
+      if (actors != nullptr) rtcReleaseScene(actors);
+    }
     if (still != nullptr) rtcReleaseScene(still);
     rtcReleaseDevice(device);
   }
@@ -120,20 +131,42 @@ void EmbreeScene::build_still() {
 
 void EmbreeScene::attach_actor_meshes(int time_steps) {
   Trees& t = *trees_;
-  if (t.time_steps == time_steps) return;
-  if (t.moving != nullptr) rtcReleaseScene(t.moving);
-  t.moving = rtcNewScene(t.device);
-  rtcSetSceneFlags(t.moving,
-                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
-  rtcSetSceneBuildQuality(t.moving, RTC_BUILD_QUALITY_LOW);
-  t.actor_geometries.clear();
-  for (std::size_t i = still_.size(); i < surfaces_.size(); ++i) {
-    RTCGeometry geometry = new_geometry(t.device, *surfaces_[i].mesh, time_steps);
-    rtcAttachGeometryByID(t.moving, geometry, static_cast<unsigned>(i));
-    rtcReleaseGeometry(geometry);
-    t.actor_geometries.push_back(geometry);
+  const auto attach = [&](int steps, RTCScene* scene, std::vector<RTCGeometry>* geometries) {
+    if (*scene != nullptr) rtcReleaseScene(*scene);
+    *scene = rtcNewScene(t.device);
+    rtcSetSceneFlags(*scene,
+                     static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
+    rtcSetSceneBuildQuality(*scene, RTC_BUILD_QUALITY_LOW);
+    geometries->clear();
+    for (std::size_t i = still_.size(); i < surfaces_.size(); ++i) {
+      RTCGeometry geometry = new_geometry(t.device, *surfaces_[i].mesh, steps);
+      rtcAttachGeometryByID(*scene, geometry, static_cast<unsigned>(i));
+      rtcReleaseGeometry(geometry);
+      geometries->push_back(geometry);
+    }
+  };
+  if (t.frozen == nullptr) attach(1, &t.frozen, &t.frozen_geometries);
+  if (time_steps > 1 && t.time_steps != time_steps) {
+    attach(time_steps, &t.moving, &t.moving_geometries);
   }
   t.time_steps = time_steps;
+}
+
+void EmbreeScene::set_pose(std::size_t surface, int step, MeshPose pose) {
+  Surface& s = surfaces_[surface];
+  if (pose.vertices.size() != s.mesh->rest.vertices.size() ||
+      pose.normals.size() != pose.vertices.size()) {
+    throw Error("synthetic actor: a pose has another number of vertices than its mesh");
+  }
+  const int steps = trees_->time_steps;
+  const std::size_t geometry = surface - still_.size();
+  if (steps > 1) copy_vertices(pose.vertices, trees_->moving_geometries[geometry], step);
+  if (step == 0) s.first = pose.vertices;
+  if (step == steps - 1) s.last = pose.vertices;
+  if (step == steps / 2) {
+    copy_vertices(pose.vertices, trees_->frozen_geometries[geometry], 0);
+    s.middle = std::move(pose);
+  }
 }
 
 void EmbreeScene::pose_actors(double begin, double end) {
@@ -143,33 +176,30 @@ void EmbreeScene::pose_actors(double begin, double end) {
       span > 0.0 ? 1 + 2 * std::max(1, static_cast<int>(std::ceil(span / (2.0 * longest_step))))
                  : 1;
   attach_actor_meshes(steps);
-  std::vector<int> first_surface;
-  int next = still_surfaces();
+  std::vector<std::size_t> first_surface;
+  std::size_t next = still_.size();
   for (const auto& actor : actors_) {
     first_surface.push_back(next);
-    next += static_cast<int>(actor->meshes().size());
+    next += actor->meshes().size();
   }
   cv::parallel_for_({0, static_cast<int>(actors_.size())}, [&](const cv::Range& range) {
-    for (int a = range.start; a < range.end; ++a) {
+    for (int i = range.start; i < range.end; ++i) {
+      const auto a = static_cast<std::size_t>(i);
       for (int step = 0; step < steps; ++step) {
-        const double time = steps > 1 ? begin + span * step / (steps - 1) : begin;
-        std::vector<MeshPose> poses = actors_[static_cast<std::size_t>(a)]->at(time);
+        std::vector<MeshPose> poses =
+            actors_[a]->at(steps > 1 ? begin + span * step / (steps - 1) : begin);
         for (std::size_t m = 0; m < poses.size(); ++m) {
-          const std::size_t index = static_cast<std::size_t>(first_surface[a]) + m;
-          Surface& surface = surfaces_[index];
-          if (poses[m].vertices.size() != surface.mesh->rest.vertices.size()) {
-            throw Error("synthetic actor: a pose has another number of vertices than its mesh");
-          }
-          copy_vertices(poses[m].vertices, trees_->actor_geometries[index - still_.size()], step);
-          if (step == 0) surface.first = poses[m].vertices;
-          if (step == steps - 1) surface.last = poses[m].vertices;
-          if (step == steps / 2) surface.middle = std::move(poses[m]);
+          set_pose(first_surface[a] + m, step, std::move(poses[m]));
         }
       }
     }
   });
-  for (RTCGeometry geometry : trees_->actor_geometries) rtcCommitGeometry(geometry);
-  rtcCommitScene(trees_->moving);
+  const auto commit = [](RTCScene scene, const std::vector<RTCGeometry>& geometries) {
+    for (RTCGeometry geometry : geometries) rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+  };
+  commit(trees_->frozen, trees_->frozen_geometries);
+  if (steps > 1 && !actors_.empty()) commit(trees_->moving, trees_->moving_geometries);
 }
 
 SurfaceHits EmbreeScene::trace(const Rays& rays, int count, What what) const {
@@ -181,9 +211,10 @@ SurfaceHits EmbreeScene::trace(const Rays& rays, int count, What what) const {
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   // The second search begins with what the first one found: the nearer hit stays.
-  if (what != What::moving) rtcIntersect8(valid, trees_->still, &context, &packet);
+  if (what != What::frozen) rtcIntersect8(valid, trees_->still, &context, &packet);
   if (what != What::still && !actors_.empty()) {
-    rtcIntersect8(valid, trees_->moving, &context, &packet);
+    const bool moving = what == What::still_and_moving && trees_->time_steps > 1;
+    rtcIntersect8(valid, moving ? trees_->moving : trees_->frozen, &context, &packet);
   }
   SurfaceHits hits;
   for (int i = 0; i < count; ++i) {
@@ -201,11 +232,11 @@ unsigned EmbreeScene::blocked(const Rays& rays, int count, What what) const {
   fill(rays, count, &packet, valid);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  if (what != What::moving) rtcOccluded8(valid, trees_->still, &context, &packet);
+  if (what != What::frozen) rtcOccluded8(valid, trees_->still, &context, &packet);
   if (what != What::still && !actors_.empty()) {
     // A ray that is blocked already has a negative end and is skipped.
     for (int i = 0; i < packet_size; ++i) valid[i] = packet.tfar[i] < 0.0F ? 0 : valid[i];
-    rtcOccluded8(valid, trees_->moving, &context, &packet);
+    rtcOccluded8(valid, trees_->frozen, &context, &packet);
   }
   unsigned bits = 0;
   for (int i = 0; i < count; ++i) bits |= packet.tfar[i] < 0.0F ? 1U << i : 0U;

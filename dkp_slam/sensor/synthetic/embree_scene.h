@@ -53,11 +53,13 @@ class EmbreeScene {
   /// Moves the actors: what is traced from now on happens between the two times, seconds.
   void pose_actors(double begin, double end);
 
-  enum class What { still, moving, all };
+  /// What rays may meet: what stands still, actors as they are in the middle of the time
+  /// ("frozen"), or, at several times the price, at each ray's own moment ("moving").
+  enum class What { still, frozen, still_and_frozen, still_and_moving };
   /// Nearest hits of the first `count` rays.
-  SurfaceHits trace(const Rays& rays, int count, What what = What::all) const;
-  /// Which of the first `count` rays meet anything: bit i of the result.
-  unsigned blocked(const Rays& rays, int count, What what = What::all) const;
+  SurfaceHits trace(const Rays& rays, int count, What what) const;
+  /// Which of the first `count` rays meet anything: bit i of the result; not for moving actors.
+  unsigned blocked(const Rays& rays, int count, What what) const;
 
   int surfaces() const { return static_cast<int>(surfaces_.size()); }
   int still_surfaces() const { return static_cast<int>(still_.size()); }
@@ -68,6 +70,7 @@ class EmbreeScene {
 
   void build_still();
   void attach_actor_meshes(int time_steps);
+  void set_pose(std::size_t surface, int step, MeshPose pose);
 
   std::vector<Mesh> still_;
   std::vector<std::shared_ptr<const Actor>> actors_;

@@ -74,10 +74,19 @@ void build_corridor(FurnitureKit* kit, std::vector<Vector3d>* lamps) {
   kit->place(cupboard(rng, {1.0, 0.28, 0.85}, {95, 130, 165}, 2, 2), {4.05, -0.6, 0.0},
              -0.5 * CV_PI);
   kit->place(stack_of_papers(rng), {4.05, -0.8, 0.85}, 1.0);
-  kit->place(potted_plant(rng), {3.85, 2.6, 0.0});
+  kit->place(cardboard_box(rng, {0.30, 0.26, 0.34}), {3.98, 2.95, 0.0}, 0.15);
   for (int i = 0; i < 4; ++i) {
-    const Material coat = kit->cloth(room_colour(rng, 35, 150));
-    kit->cushion({4.12, -1.9 + 0.24 * i, 1.25}, {0.12, 0.20, rng.uniform(0.7, 0.95)}, 0.05, coat);
+    const double z = rng.uniform(0.75, 0.95), wide = rng.uniform(0.10, 0.13);
+    Mesh coat = lathe_mesh({{0.02, 1.75 - z},
+                            {0.05, 1.70 - z},
+                            {wide, 1.60 - z},
+                            {wide, 1.3 - z},
+                            {wide * 1.15, 0.0},
+                            {0.9 * wide, 0.02}},
+                           20, kit->cloth(room_colour(rng, 30, 130)).texture);
+    for (Eigen::Vector3f& v : coat.rest.vertices) v.x() *= 0.45F;
+    kit->block({4.18, -1.95 + 0.27 * i, 1.72}, {0.04, 0.03, 0.03}, kit->smooth({60, 60, 62}));
+    kit->add(standing({4.12, -1.95 + 0.27 * i, z}, rng.uniform(-0.1, 0.1)) * coat);
   }
   kit->picture({3.2, 2.4, 0.006}, {0.6, 0, 0}, {0, -2.6, 0},
                make_texture(rug_print(rng, texels(0.6, 2.6))));

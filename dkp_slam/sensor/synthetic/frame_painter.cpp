@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <opencv2/core/utility.hpp>
 
 #include "dkp_slam/sensor/synthetic/actor_light.h"
@@ -71,7 +72,58 @@ void FramePainter::over_rows(int rows, const Work& work) const {
   });
 }
 
+void FramePainter::frame_actors() {
+  using Box = Eigen::AlignedBox3f;
+  std::vector<Box> boxes;
+  for (int i = scene_.embree.still_surfaces(); i < scene_.embree.surfaces(); ++i) {
+    const Surface& surface = scene_.embree.surface(i);
+    boxes.resize(static_cast<std::size_t>(surface.instance), Box());
+    Box& box = boxes.back();
+    for (const auto* vertices : {&surface.first, &surface.middle.vertices, &surface.last}) {
+      for (const Vector3f& v : *vertices) box.extend(v);
+    }
+  }
+  const int last = camera_.height - 1;
+  const cv::Rect image(0, 0, camera_.width, camera_.height);
+  // Between the moments looked at the camera may sway, and lenses bend.
+  const float margin = camera_.distortion.none() ? 12.0F : 0.1F * static_cast<float>(camera_.width);
+  for (const Box& box : boxes) {
+    Vector2f low = Vector2f::Constant(1e9F), high = -low;
+    bool around = false;
+    for (const CameraPlace* place :
+         {&shutter_.row(0).begin, &shutter_.row(last / 2).middle, &shutter_.row(last).end}) {
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vector3f point = box.corner(static_cast<Box::CornerType>(corner));
+        constexpr float near_plane = 0.1F;
+        around = around || place->depth(point) < near_plane;
+        const Vector2f at = place->project(point);
+        const Vector2f pixel(static_cast<float>(camera_.fx * at.x() + camera_.cx),
+                             static_cast<float>(camera_.fy * at.y() + camera_.cy));
+        low = low.cwiseMin(pixel);
+        high = high.cwiseMax(pixel);
+      }
+    }
+    if (around) {
+      actors_.push_back(image);
+      continue;
+    }
+    const auto bounded = [](float v) { return static_cast<int>(std::clamp(v, -1e6F, 1e6F)); };
+    const cv::Point top(bounded(low.x() - margin), bounded(low.y() - margin));
+    const cv::Point end(bounded(high.x() + margin) + 1, bounded(high.y() + margin) + 1);
+    actors_.push_back(cv::Rect(top, end) & image);
+  }
+}
+
+EmbreeScene::What FramePainter::reach(int x, int y, int count,
+                                      EmbreeScene::What with_actors) const {
+  const cv::Rect pixels(x, y, count, 1);
+  const bool any = std::any_of(actors_.begin(), actors_.end(),
+                               [&](const cv::Rect& r) { return !(r & pixels).empty(); });
+  return any ? with_actors : EmbreeScene::What::still;
+}
+
 Rendering FramePainter::paint() {
+  frame_actors();
   Rendering out;
   out.radiance.create(camera_.height, camera_.width, CV_32FC3);
   out.depth.create(camera_.height, camera_.width, CV_32FC1);
@@ -100,11 +152,15 @@ Ray FramePainter::centre_ray(int x, int y) const {
 
 void FramePainter::trace_centres(int y, Rendering* out) {
   const RowExposure& row = shutter_.row(y);
+  // All rows look at the middle of the frame's time when no shutter rolls.
+  const bool rolling = shutter_.row(0).time != shutter_.row(camera_.height - 1).time;
+  const auto actors =
+      rolling ? EmbreeScene::What::still_and_moving : EmbreeScene::What::still_and_frozen;
   for (int x0 = 0; x0 < camera_.width; x0 += packet_size) {
     const int count = std::min(packet_size, camera_.width - x0);
     Rays rays;
     for (int i = 0; i < count; ++i) rays[static_cast<std::size_t>(i)] = centre_ray(x0 + i, y);
-    const SurfaceHits hits = scene_.embree.trace(rays, count);
+    const SurfaceHits hits = scene_.embree.trace(rays, count, reach(x0, y, count, actors));
     for (int i = 0; i < count; ++i) {
       const SurfaceHit& hit = hits[static_cast<std::size_t>(i)];
       CentreHit& c = centre(x0 + i, y);
@@ -214,7 +270,7 @@ cv::Vec3f FramePainter::shade_centre(int x, int y) {
   const PixelLight light = {row_brightness_[static_cast<std::size_t>(y)], shadow_at(x, y)};
   constexpr float still = 0.3F;  // pixels
   const float way = c.motion.norm();
-  const int taps = way < still ? 1 : std::min(static_cast<int>(std::ceil(way)) + 1, most_taps);
+  const int taps = way < still ? 1 : std::clamp(static_cast<int>(std::ceil(way)), 2, most_taps);
   // Where motion blurs the print there is no fine detail to lose across the view.
   return scene_.shading.colour(c.hit, c.plane.uv, print, taps,
                                taps > 1 ? few_taps : most_filter_taps, light);
@@ -243,7 +299,8 @@ cv::Vec3f FramePainter::shade_samples(int x, int y, int samples) {
               share * (row.end.rotation * direction),
           shutter_.moment(row.time + (share - 0.5) * shutter_.exposure())};
     }
-    const SurfaceHits hits = scene_.embree.trace(rays, count);
+    const SurfaceHits hits =
+        scene_.embree.trace(rays, count, reach(x, y, 1, EmbreeScene::What::still_and_moving));
     for (int i = 0; i < count; ++i) {
       const SurfaceHit& hit = hits[static_cast<std::size_t>(i)];
       if (hit.surface < 0) continue;

@@ -47,6 +47,9 @@ class FramePainter {
                  static_cast<std::size_t>(x)];
   }
   Ray centre_ray(int x, int y) const;
+  void frame_actors();
+  /// What rays through pixels x to x + `count` - 1 of row y may meet.
+  EmbreeScene::What reach(int x, int y, int count, EmbreeScene::What with_actors) const;
   void trace_centres(int y, Rendering* out);
   Eigen::Vector2f image_motion(const HitPlane& plane, const RowExposure& row) const;
   void mark_edges(int y);
@@ -63,8 +66,9 @@ class FramePainter {
   const int samples_;
   std::vector<float> row_brightness_;
   std::vector<CentreHit> hits_;
-  cv::Mat samples_of_;  ///< CV_8UC1, rays of each pixel; 1: its centre's will do
-  cv::Mat shadows_;     ///< CV_32FC1, light lost to actors at every eighth pixel; below 0: unknown
+  std::vector<cv::Rect> actors_;  ///< where in the image each of them is during the frame, at most
+  cv::Mat samples_of_;            ///< CV_8UC1, rays of each pixel; 1: its centre's will do
+  cv::Mat shadows_;  ///< CV_32FC1, light lost to actors at every eighth pixel; below 0: unknown
 };
 
 }  // namespace dkp_slam

@@ -140,8 +140,10 @@ std::pair<std::size_t, int> corners(const Renderer& renderer, const Vector3d& fr
   const Rendering seen =
       renderer.render(wide_camera(640, 480), [&](double) { return pose; }, 0.0, {});
   ColourSensor sensor({}, 1);
+  cv::Mat grey;
+  cv::cvtColor(sensor.expose(seen.radiance, 0.0), grey, cv::COLOR_BGR2GRAY);
   std::vector<cv::KeyPoint> points;
-  cv::FAST(sensor.expose(seen.radiance, 0.0), points, 12);
+  cv::FAST(grey, points, 12);
   std::vector<int> cells(48, 0);
   for (const cv::KeyPoint& p : points) {
     ++cells[static_cast<std::size_t>(static_cast<int>(p.pt.y / 80) * 8 +

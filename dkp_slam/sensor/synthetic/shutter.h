@@ -40,6 +40,8 @@ struct CameraPlace {
   explicit CameraPlace(const Se3& world_from_camera = {})
       : rotation(world_from_camera.rotation.toRotationMatrix().cast<float>()),
         origin(world_from_camera.translation.cast<float>()) {}
+  /// Of a point in the world: metres along the camera's z.
+  float depth(const Eigen::Vector3f& point) const { return rotation.col(2).dot(point - origin); }
   /// Of a point in the world: its pixel, up to the camera's focal lengths and centre.
   Eigen::Vector2f project(const Eigen::Vector3f& point) const {
     const Eigen::Vector3f p = rotation.transpose() * (point - origin);

@@ -112,8 +112,8 @@ cv::Vec3f Texture::sample(const Eigen::Vector2f& uv, const Eigen::Vector2f& du,
   const float lod =
       std::clamp(rough_log2(std::max(longer / static_cast<float>(taps), 1.0F)), 0.0F, last_level);
   const auto fine = static_cast<std::size_t>(lod);
-  // Half of the way between two levels one of them alone will do.
-  constexpr float alone = 0.25F;
+  // Half of the way between two levels one of them alone will do; all of it where few taps will.
+  const float alone = most_taps > 2 ? 0.25F : 0.49F;
   const float share =
       std::clamp((lod - static_cast<float>(fine) - alone) / (1.0F - 2.0F * alone), 0.0F, 1.0F);
   const Level& level = levels_[share < 1.0F ? fine : fine + 1];
