@@ -29,16 +29,22 @@ class Shading {
   }
 
   void stroke(const cv::Point2d& from, const cv::Point2d& to, double width, double depth) {
-    cv::Mat layer = cv::Mat::zeros(field_.size(), CV_32F);
-    // Both copies across the seam.
-    for (const int shift : {-1, 0, 1}) {
-      const cv::Point2d by(shift * field_.cols, 0);
-      cv::line(layer, from + by, to + by, cv::Scalar(depth), std::max(cvRound(width), 1),
-               cv::LINE_8);
-    }
     const double sigma = 0.6 * width;
-    cv::GaussianBlur(layer, layer, cv::Size(), sigma, sigma, cv::BORDER_REPLICATE);
-    field_ += layer;
+    const int margin = cvRound(0.5 * width + 3.0 * sigma) + 2;
+    for (const int shift : {-1, 0, 1}) {  // both copies across the seam
+      const cv::Point2d by(shift * field_.cols, 0);
+      const cv::Rect bounds = cv::Rect(cv::Rect2d(from + by, to + by));
+      const cv::Rect around(bounds.x - margin, bounds.y - margin, bounds.width + 2 * margin,
+                            bounds.height + 2 * margin);
+      const cv::Rect box = around & cv::Rect(cv::Point(), field_.size());
+      if (box.empty()) continue;
+      cv::Mat layer = cv::Mat::zeros(around.size(), CV_32F);
+      const cv::Point2d origin = around.tl();
+      cv::line(layer, from + by - origin, to + by - origin, cv::Scalar(depth),
+               std::max(cvRound(width), 1), cv::LINE_8);
+      cv::GaussianBlur(layer, layer, cv::Size(), sigma, sigma, cv::BORDER_REPLICATE);
+      field_(box) += layer(box - around.tl());
+    }
   }
 
   void put_on(cv::Mat& image) const {
