@@ -25,6 +25,8 @@ struct Mesh {
   std::vector<Eigen::Vector2f> uv;         ///< of each vertex, 0 to 1 over the texture
   std::vector<Eigen::Vector3i> triangles;  ///< vertices, counter-clockwise seen from outside
   TexturePtr texture;
+  float glow = 0.0F;     ///< light of its own where the texture is white: screens, windows, lamps
+  bool is_lamp = false;  ///< its glow goes with the lamps' brightness
 };
 
 /// origin + a edge_u + b edge_v with a and b in 0..1; the texture's u runs along `edge_u`, its top

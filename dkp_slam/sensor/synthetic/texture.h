@@ -17,14 +17,27 @@ class Texture {
 
   /// BGR, 0 to 255, at `uv` (0 to 1 over the image); `du` and `dv` are the changes of uv from one
   /// pixel of the camera to the next, right and down.
+  cv::Vec3f sample(const Eigen::Vector2f& uv, const Eigen::Vector2f& du,
+                   const Eigen::Vector2f& dv) const;
   cv::Vec3f sample(const Eigen::Vector2d& uv, const Eigen::Vector2d& du,
-                   const Eigen::Vector2d& dv) const;
+                   const Eigen::Vector2d& dv) const {
+    return sample(uv.cast<float>().eval(), du.cast<float>().eval(), dv.cast<float>().eval());
+  }
+  /// Of the whole image, BGR, 0 to 255.
+  cv::Vec3f mean() const;
 
  private:
-  cv::Vec3f bilinear(int level, const Eigen::Vector2d& uv) const;
+  struct Level {
+    int width, height;
+    std::vector<cv::Vec4b> texels;  ///< row by row; the fourth byte is idle
+  };
+  cv::Vec3f bilinear(const Level& level, const Eigen::Vector2f& uv) const;
 
-  std::vector<cv::Mat> levels_;
+  std::vector<Level> levels_;
   bool wrap_;
 };
+
+/// Linear light, 0 to 1, of a grey level, 0 to 255, in sRGB (IEC 61966-2-1).
+float linear_light(float level);
 
 }  // namespace dkp_slam
