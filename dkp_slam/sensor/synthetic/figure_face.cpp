@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/sensor/synthetic/figure_textures.h"
 #include "dkp_slam/sensor/synthetic/patterns.h"
 
 namespace dkp_slam {
@@ -152,7 +153,7 @@ cv::Mat paint_head(cv::RNG& rng, const FigureLook& look) {
   }
   paint_eyes(face, look);
   paint_nose_and_mouth(face, look);
-  add_octaves(rng, &face.image(), 4.0, {16, 8});
+  add_wrapped_octaves(rng, &face.image(), 4.0, {16, 8});
   return face.image();
 }
 

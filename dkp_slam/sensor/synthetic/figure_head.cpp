@@ -108,7 +108,9 @@ SkinnedMesh hair(const FigureLook& look) {
       const double hanging = is_short ? 0.035 : 0.115;
       Section section = section_at(sections, std::max(z, hanging));
       Vector3d p = section_point(section, angle);
-      p.z() = z;
+      // And gathers towards its end.
+      const double taper = 1.0 - 0.16 * smooth_step(z, hanging, -0.16);
+      p = {taper * p.x(), taper * p.y(), z};
       const double edge = smooth_step(q, 1.0, is_short ? 0.8 : 0.9);
       const double strands = 1.0 + 0.16 * std::sin(9.0 * angle + phase + 14.0 * q) +
                              0.10 * std::sin(23.0 * angle + 2.0 * phase);

@@ -109,10 +109,10 @@ Vector3d FigureMotion::ankle(const FootPose& foot) const {
 double FigureMotion::hip_height(const Moment& now) const {
   const double leg = rest_[Joint::left_thigh].z() - rest_[Joint::left_foot].z();
   // Nobody walks or stands on legs stretched to the last.
-  double height = rest_[Joint::left_foot].z() + 0.985 * leg;
+  double height = rest_[Joint::left_foot].z() + 0.993 * leg;
   for (const int side : {1, -1}) {
     const Vector3d foot = now.root.inverse() * ankle(now.foot(side));
-    const double stretch = 0.992 * leg, ahead = std::min(std::abs(foot.x()), 0.9 * leg);
+    const double stretch = 0.996 * leg, ahead = std::min(std::abs(foot.x()), 0.9 * leg);
     // A foot in the air holds nobody down.
     const double free = 6.0 * now.foot(side).lift;
     height = soft_min(height, foot.z() + free + std::sqrt(stretch * stretch - ahead * ahead),
@@ -233,13 +233,13 @@ FigureMotion::HandPose FigureMotion::gesturing(const Moment& now, Gesture gestur
       break;
     }
     case Gesture::phone:
-      pose.wrist = {0.105, 0.155 * s, 0.075};
-      pose.elbow = {0.25, 0.8 * s, -1.0};
+      pose.wrist = {0.115, 0.135 * s, 0.03};
+      pose.elbow = {0.0, 0.45 * s, -1.0};
       pose.bend = 0.25;
       break;
     case Gesture::wave: {
       const double beat = std::sin(2.0 * M_PI * 1.3 * t + phases_[4]);
-      pose.wrist = {0.20, (0.34 + 0.07 * beat) * s, 0.20};
+      pose.wrist = {0.20, (0.40 + 0.07 * beat) * s, 0.19};
       pose.elbow = {-0.1, 0.7 * s, -1.0};
       pose.palm = 1.2;
       break;

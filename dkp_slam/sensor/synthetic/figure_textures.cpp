@@ -87,7 +87,7 @@ cv::Mat cloth(cv::RNG& rng, cv::Size size, const FigureLook& look, int repeats) 
       band(false, y + cell * 7 / 10, std::max(cell / 12, 1), 0.8);
     }
   }
-  add_octaves(rng, &image, 5.0, {4, 4});
+  add_wrapped_octaves(rng, &image, 5.0, {4, 4});
   return image;
 }
 
@@ -206,7 +206,7 @@ cv::Mat paint_sleeves(cv::RNG& rng, const FigureLook& look) {
 /// Trousers' cloth: denim is woven of blue and white threads.
 cv::Mat denim(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
   cv::Mat image(size, CV_8UC3, colour);
-  add_octaves(rng, &image, 6.0, {6, 6});
+  add_wrapped_octaves(rng, &image, 6.0, {6, 6});
   return image;
 }
 
@@ -278,6 +278,22 @@ std::shared_ptr<const Texture> wrapped(const cv::Mat& image) {
 }
 
 }  // namespace
+
+void add_wrapped_octaves(cv::RNG& rng, cv::Mat* image, double amplitude, cv::Size coarsest_cells) {
+  cv::Mat noise(image->size(), CV_8UC3, cv::Scalar::all(128)), mirrored, mixed;
+  add_octaves(rng, &noise, amplitude, coarsest_cells);
+  // Towards the right edge it becomes its mirror image, which ends as the left edge starts.
+  cv::flip(noise, mirrored, 1);
+  const int first = noise.cols * 3 / 4;
+  for (int x = first; x < noise.cols; ++x) {
+    const double share = static_cast<double>(x - first) / (noise.cols - first);
+    cv::addWeighted(noise.col(x), 1.0 - share, mirrored.col(x), share, 0.0, mixed);
+    mixed.copyTo(noise.col(x));
+  }
+  cv::Mat sum;
+  cv::add(*image, noise, sum, cv::noArray(), CV_16S);
+  sum.convertTo(*image, CV_8U, 1.0, -128.0);
+}
 
 FigureTextures paint_figure(const FigureLook& look) {
   cv::RNG rng(look.texture_seed);
