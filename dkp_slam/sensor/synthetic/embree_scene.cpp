@@ -18,8 +18,8 @@ namespace {
 constexpr double longest_step = 0.01;  // seconds
 
 void copy_vertices(const std::vector<Eigen::Vector3f>& vertices, RTCGeometry geometry, int step) {
-  void* buffer = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX,
-                                          static_cast<unsigned>(step));
+  void* buffer =
+      rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step));
   std::memcpy(buffer, vertices.data(), vertices.size() * sizeof(Eigen::Vector3f));
   rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step));
 }
@@ -91,9 +91,7 @@ struct EmbreeScene::Trees {
 };
 
 EmbreeScene::EmbreeScene(std::vector<Mesh> still, std::vector<std::shared_ptr<const Actor>> actors)
-    : still_(std::move(still)),
-      actors_(std::move(actors)),
-      trees_(std::make_unique<Trees>()) {
+    : still_(std::move(still)), actors_(std::move(actors)), trees_(std::make_unique<Trees>()) {
   constexpr std::size_t most_actors = 255;  // instances are bytes
   if (actors_.size() > most_actors) throw Error("synthetic renderer: more than 255 actors");
   for (const Mesh& mesh : still_) surfaces_.push_back({&mesh, 0, {}, {}, {}});

@@ -13,10 +13,10 @@ namespace dkp_slam {
 
 /// Where a ray meets a triangle.
 struct SurfaceHit {
-  int surface = -1;            ///< index of `EmbreeScene::surface`; -1: nothing
-  int triangle = 0;            ///< of that surface
-  float u = 0.0F, v = 0.0F;    ///< point = (1 - u - v) p0 + u p1 + v p2
-  float distance = 0.0F;       ///< in lengths of the ray's direction
+  int surface = -1;          ///< index of `EmbreeScene::surface`; -1: nothing
+  int triangle = 0;          ///< of that surface
+  float u = 0.0F, v = 0.0F;  ///< point = (1 - u - v) p0 + u p1 + v p2
+  float distance = 0.0F;     ///< in lengths of the ray's direction
   bool operator==(const SurfaceHit&) const = default;
 };
 

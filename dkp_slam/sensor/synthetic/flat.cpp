@@ -74,7 +74,7 @@ void build_corridor(FurnitureKit* kit, std::vector<Vector3d>* lamps) {
   kit->place(cupboard(rng, {1.0, 0.28, 0.85}, {95, 130, 165}, 2, 2), {4.05, -0.6, 0.0},
              -0.5 * CV_PI);
   kit->place(stack_of_papers(rng), {4.05, -0.8, 0.85}, 1.0);
-  kit->place(potted_plant(rng), {3.95, 3.0, 0.0});
+  kit->place(potted_plant(rng), {3.85, 2.6, 0.0});
   for (int i = 0; i < 4; ++i) {
     const Material coat = kit->cloth(room_colour(rng, 35, 150));
     kit->cushion({4.12, -1.9 + 0.24 * i, 1.25}, {0.12, 0.20, rng.uniform(0.7, 0.95)}, 0.05, coat);
@@ -97,12 +97,12 @@ void furnish_living_room(FurnitureKit* kit) {
   kit->place(book_shelf(rng, 0.8, 1.3), {3.3, 7.62, 0.0});
   kit->place(mug(rng), {3.2, 7.6, 1.3}, 2.0);
   kit->place(floor_lamp(rng), {7.65, 7.3, 0.0});
-  kit->place(potted_plant(rng), {7.6, 3.85, 0.0});
+  kit->place(potted_plant(rng), {7.6, 3.8, 0.0});
   kit->place(cupboard(rng, {1.6, 0.42, 0.6}, {70, 95, 125}, 3, 1), {6.0, 3.62, 0.0}, CV_PI);
   // A television on it.
   kit->block({6.0, 3.6, 1.0}, {1.2, 0.06, 0.68}, kit->smooth({30, 30, 32}));
   kit->picture({6.58, 3.632, 1.32}, {-1.16, 0, 0}, {0, 0, -0.64},
-               make_texture(landscape_print(rng, {700, 386})), 0.8F);
+               make_texture(landscape_print(rng, {700, 386})), 0.45F);
   kit->place(plain_chair(rng), {3.15, 5.0, 0.0}, 0.5 * CV_PI);
   kit->place(cardboard_box(rng, {0.45, 0.35, 0.3}), {4.6, 7.5, 0.0}, 0.2);
 }
@@ -170,8 +170,8 @@ void furnish_kitchen(FurnitureKit* kit) {
   kit->turned({-1.3, 5.3, 0.75}, {{0.16, 0.08}, {0.165, 0.08}, {0.10, 0.0}, {0.0, 0.0}}, 28,
               {make_texture(tiles_print(rng, {256, 64}, {150, 120, 90}, 0.2, 128.0)), 1.0});
   for (int i = 0; i < 5; ++i) {
-    Mesh fruit = ellipsoid_mesh({0.04, 0.04, 0.038}, 14,
-                                kit->smooth(room_colour(rng, 40, 220)).texture);
+    Mesh fruit =
+        ellipsoid_mesh({0.04, 0.04, 0.038}, 14, kit->smooth(room_colour(rng, 40, 220)).texture);
     const double angle = 1.26 * i;
     kit->add(standing({-1.3 + 0.07 * std::cos(angle), 5.3 + 0.07 * std::sin(angle), 0.83}, angle) *
              fruit);
@@ -179,7 +179,7 @@ void furnish_kitchen(FurnitureKit* kit) {
   kit->place(stack_of_papers(rng), {-0.9, 5.25, 0.75}, 0.4);
   kit->place(cupboard(rng, {1.2, 0.4, 0.9}, {105, 140, 170}, 2, 2), {-0.2, 3.62, 0.0}, CV_PI);
   kit->place(cardboard_box(rng, {0.34, 0.28, 0.22}), {-0.45, 3.62, 0.9}, 0.3);
-  kit->place(potted_plant(rng), {0.15, 3.62, 0.9});
+  kit->place(potted_plant(rng), {0.12, 3.75, 0.9});
   kit->place(waste_bin(rng), {0.75, 3.65, 0.0});
   kit->place(cardboard_box(rng, {0.4, 0.3, 0.35}), {-2.4, 3.7, 0.0}, 0.3);
 }
@@ -197,10 +197,10 @@ void build_kitchen(FurnitureKit* kit, std::vector<Vector3d>* lamps) {
                          cvRound((kitchen.front - kitchen.back) * metre)},
                         {150, 165, 176}, 0.3, metre));
   add_ceiling(kit, kitchen);
-  add_wall(kit, front,
-           tiles_print(rng, wall_texels(front.length, front.height), {205, 214, 216}, 0.15,
-                       wall_metre),
-           {}, skirting);
+  add_wall(
+      kit, front,
+      tiles_print(rng, wall_texels(front.length, front.height), {205, 214, 216}, 0.15, wall_metre),
+      {}, skirting);
   add_wall(kit, right, plaster(kit, right, {170, 208, 220}), {kitchen_to_living}, skirting);
   add_wall(kit, back, plaster(kit, back, {176, 208, 218}), {kitchen_to_office}, skirting);
   add_wall(kit, left, plaster(kit, left, {172, 210, 222}), {window}, skirting);
@@ -234,10 +234,10 @@ Place flat(cv::RNG& rng) {
 }
 
 std::vector<Eigen::Vector2d> flat_loop() {
-  return {{0.0, 0.3},   {0.8, -0.9},  {1.8, -1.45}, {2.8, -1.45}, {3.45, -0.9}, {3.45, 1.0},
-          {3.5, 3.3},   {3.8, 4.4},   {4.8, 5.0},   {5.0, 5.9},   {4.1, 6.35},  {2.75, 6.35},
-          {1.5, 6.2},   {0.5, 5.5},   {0.8, 4.6},   {1.8, 4.2},   {2.15, 3.35}, {2.0, 2.3},
-          {1.4, 1.1}};
+  return {{0.0, 0.3},  {0.8, -0.9},  {1.8, -1.45}, {2.8, -1.45}, {3.45, -0.9},
+          {3.45, 1.0}, {3.5, 3.3},   {3.8, 4.4},   {4.8, 5.0},   {5.0, 5.9},
+          {4.1, 6.35}, {2.75, 6.35}, {1.5, 6.2},   {0.5, 5.5},   {0.8, 4.6},
+          {1.8, 4.2},  {2.15, 3.35}, {2.0, 2.3},   {1.4, 1.1}};
 }
 
 }  // namespace dkp_slam

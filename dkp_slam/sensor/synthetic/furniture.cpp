@@ -166,7 +166,7 @@ std::vector<Mesh> monitor(cv::RNG& rng) {
   const cv::Size texels(640, 380);
   const cv::Mat print =
       rng.uniform(0, 2) == 0 ? editor_print(rng, texels) : browser_print(rng, texels);
-  constexpr float screen_glow = 0.75F;
+  constexpr float screen_glow = 0.42F;
   kit.picture({-0.5 * width + rim, -0.5 * thick - 0.001, middle + 0.5 * height - rim},
               {width - 2.0 * rim, 0, 0}, {0, 0, -(height - 2.5 * rim)}, make_texture(print),
               screen_glow);
@@ -204,7 +204,7 @@ std::vector<Mesh> potted_plant(cv::RNG& rng) {
   constexpr int leaves = 34;
   for (int i = 0; i < leaves; ++i) {
     const double angle = std::numbers::phi * 2.0 * std::numbers::pi * i;
-    const double height = rng.uniform(0.28, 0.75), reach = rng.uniform(0.22, 0.40);
+    const double height = rng.uniform(0.28, 0.75), reach = rng.uniform(0.18, 0.32);
     const Vector3d away(std::cos(angle), std::sin(angle), 0.0);
     const Vector3d root = 0.03 * away + Vector3d(0, 0, height);
     const Vector3d out = reach * away + Vector3d(0, 0, rng.uniform(0.10, 0.30));

@@ -23,12 +23,12 @@ struct Face {
 std::array<Face, 6> faces_of(const Vector3d& size) {
   const Vector3d x(size.x(), 0, 0), y(0, size.y(), 0), z(0, 0, size.z());
   const Vector3d lowest = -0.5 * size, top = lowest + z;
-  return {{{top, x, -z},              // front, -y
-           {top + x + y, -x, -z},     // back
-           {top + x, y, -z},          // right
-           {top + y, -y, -z},         // left
-           {top + y, x, -y},          // top
-           {lowest, x, y}}};          // bottom
+  return {{{top, x, -z},           // front, -y
+           {top + x + y, -x, -z},  // back
+           {top + x, y, -z},       // right
+           {top + y, -y, -z},      // left
+           {top + y, x, -y},       // top
+           {lowest, x, y}}};       // bottom
 }
 
 /// A part of a material of width x height metres, as (u, v) of its corner and along its sides.

@@ -1,7 +1,6 @@
 #include "dkp_slam/sensor/synthetic/light_map.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,16 +15,14 @@ using Eigen::Vector3f;
 
 constexpr float lamp_half_side = 0.3F;  // metres
 // A surface 1.9 m under one of four lamps in an office gets about 1 in all.
-constexpr float lamp_power = 2.1F;      // metres squared
-constexpr float lamp_reach = 6.0F;      // metres; farther ones give less than 3%
-constexpr float lift = 2e-3F;           // metres from a surface to the start of its shadow rays
-constexpr float grid = 0.08F;           // metres between light points
-constexpr int most_steps = 48;          // of light points along a triangle's edge
-constexpr float to_middle = 0.01F;      // share by which points keep off their triangle's edges
+constexpr float lamp_power = 2.1F;  // metres squared
+constexpr float lamp_reach = 6.0F;  // metres; farther ones give less than 3%
+constexpr float lift = 2e-3F;       // metres from a surface to the start of its shadow rays
+constexpr float grid = 0.08F;       // metres between light points
+constexpr int most_steps = 48;      // of light points along a triangle's edge
+constexpr float to_middle = 0.01F;  // share by which points keep off their triangle's edges
 constexpr int gather_rays = 64;
-constexpr float more_bounces = 1.35F;   // 1 / (1 - what an office reflects, about a quarter)
-constexpr float without_lamps = 0.03F;  // light that always comes in
-constexpr float open_distance = 1.0F;   // metres: nothing nearer than this keeps that light off
+constexpr float open_distance = 1.0F;  // metres: nothing nearer than this keeps that light off
 
 Vector3f interpolate(const std::vector<Vector3f>& of, const Eigen::Vector3i& t, float u, float v) {
   const auto at = [&](int i) -> const Vector3f& { return of[static_cast<std::size_t>(t[i])]; };
@@ -38,24 +35,22 @@ std::vector<Vector3f> half_space(int count) {
   for (int i = 0; i < count; ++i) {
     const double r2 = (i + 0.5) / count;
     const double angle = 2.0 * std::numbers::pi * std::numbers::phi * i;
-    directions.emplace_back(
-        Eigen::Vector3d(std::sqrt(r2) * std::cos(angle), std::sqrt(r2) * std::sin(angle),
-                        std::sqrt(1.0 - r2))
-            .cast<float>());
+    directions.emplace_back(Eigen::Vector3d(std::sqrt(r2) * std::cos(angle),
+                                            std::sqrt(r2) * std::sin(angle), std::sqrt(1.0 - r2))
+                                .cast<float>());
   }
   return directions;
-}
-
-/// Of a place without lamps: the same everywhere, 1 in all.
-Light plain_light() {
-  Light light;
-  light << Eigen::Vector3f::Constant(1.0F - without_lamps), without_lamps;
-  return light;
 }
 
 int light_index(int steps, int i, int j) { return j * (steps + 1) - j * (j - 1) / 2 + i; }
 
 }  // namespace
+
+Light plain_light() {
+  Light light;
+  light << Eigen::Vector3f::Constant(1.0F - without_lamps), without_lamps;
+  return light;
+}
 
 Lamps::Lamps(const std::vector<Eigen::Vector3d>& places) {
   for (const Eigen::Vector3d& place : places) places_.push_back(place.cast<float>());
@@ -148,7 +143,9 @@ void LightMap::shine(const Lamps& lamps, const std::vector<Point>& points) {
       for (int half = 0; half < side * side; half += packet_size) {
         Rays rays;
         for (int i = 0; i < packet_size; ++i) {
-          const auto place = [&](int k) { return (static_cast<float>(k) + 0.5F) * 2.0F / side - 1.0F; };
+          const auto place = [&](int k) {
+            return (static_cast<float>(k) + 0.5F) * 2.0F / side - 1.0F;
+          };
           rays[static_cast<std::size_t>(i)] =
               lamps.towards(lamp, from, place((half + i) % side), place((half + i) / side));
         }
@@ -196,8 +193,7 @@ Light LightMap::gather(const Point& point) const {
     }
     const SurfaceHits hits = scene_.trace(rays, packet_size, EmbreeScene::What::still);
     for (const SurfaceHit& hit : hits) {
-      const float open =
-          hit.surface < 0 ? 1.0F : std::min(hit.distance / open_distance, 1.0F);
+      const float open = hit.surface < 0 ? 1.0F : std::min(hit.distance / open_distance, 1.0F);
       sum[3] += without_lamps * open;
       if (hit.surface >= 0) sum += more_bounces * reflected(hit);
     }
@@ -212,8 +208,8 @@ Light LightMap::at(const SurfaceHit& hit) const {
   if (patch.steps == 0) {
     const Mesh& mesh = *scene_.surface(hit.surface).mesh;
     const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(hit.triangle)];
-    return (1.0F - hit.u - hit.v) * light(patch.first + t[0]) +
-           hit.u * light(patch.first + t[1]) + hit.v * light(patch.first + t[2]);
+    return (1.0F - hit.u - hit.v) * light(patch.first + t[0]) + hit.u * light(patch.first + t[1]) +
+           hit.v * light(patch.first + t[2]);
   }
   const float x = hit.u * static_cast<float>(patch.steps);
   const float y = hit.v * static_cast<float>(patch.steps);
@@ -237,108 +233,6 @@ Light LightMap::reflected(const SurfaceHit& hit) const {
   // The lamps' own light is counted where they shine; screens and windows belong to the rest.
   if (!mesh.is_lamp) sent[3] += mesh.glow * albedos_[s][3];
   return sent;
-}
-
-ActorLight::ActorLight(const EmbreeScene& scene, const Lamps& lamps, const LightMap& map)
-    : scene_(scene) {
-  constexpr int probes = 64;
-  const int moving = scene.surfaces() - scene.still_surfaces();
-  vertices_.resize(static_cast<std::size_t>(moving));
-  // Light from the six directions of the axes, gathered around each actor.
-  using Cube = std::array<Light, 6>;
-  std::vector<Cube> cubes(256);
-  for (Cube& cube : cubes) cube.fill(Light::Zero());
-  for (int s = scene.still_surfaces(), last = 0; s < scene.surfaces(); ++s) {
-    const int instance = scene.surface(s).instance;
-    if (instance == last) continue;
-    last = instance;
-    Vector3f lowest = Vector3f::Constant(1e9F), highest = -lowest;
-    for (int m = s; m < scene.surfaces() && scene.surface(m).instance == instance; ++m) {
-      for (const Vector3f& v : scene.surface(m).middle.vertices) {
-        lowest = lowest.cwiseMin(v);
-        highest = highest.cwiseMax(v);
-      }
-    }
-    const Vector3f centre = 0.5F * (lowest + highest);
-    Cube& cube = cubes[static_cast<std::size_t>(instance)];
-    for (int first = 0; first < probes; first += packet_size) {
-      Rays rays;
-      for (int i = 0; i < packet_size; ++i) {
-        const float z = 1.0F - 2.0F * (static_cast<float>(first + i) + 0.5F) / probes;
-        const float r = std::sqrt(1.0F - z * z);
-        const double angle = 2.0 * std::numbers::pi * std::numbers::phi * (first + i);
-        rays[static_cast<std::size_t>(i)] = {
-            centre,
-            {r * static_cast<float>(std::cos(angle)), r * static_cast<float>(std::sin(angle)), z}};
-      }
-      const SurfaceHits hits = scene.trace(rays, packet_size, EmbreeScene::What::still);
-      for (std::size_t i = 0; i < packet_size; ++i) {
-        Light from(0.0F, 0.0F, 0.0F, without_lamps);
-        if (hits[i].surface >= 0) from += more_bounces * map.reflected(hits[i]);
-        for (int axis = 0; axis < 6; ++axis) {
-          const float along = rays[i].direction[axis / 2] * (axis % 2 == 0 ? 1.0F : -1.0F);
-          cube[static_cast<std::size_t>(axis)] += std::max(along, 0.0F) * 4.0F / probes * from;
-        }
-      }
-    }
-  }
-  for (int m = 0; m < moving; ++m) {
-    const Surface& surface = scene.surface(scene.still_surfaces() + m);
-    const auto& positions = surface.middle.vertices;
-    const auto& normals = surface.middle.normals;
-    auto& lights = vertices_[static_cast<std::size_t>(m)];
-    if (lamps.none()) {
-      lights.assign(positions.size(), plain_light());
-      continue;
-    }
-    lights.resize(positions.size());
-    const Cube& cube = cubes[static_cast<std::size_t>(surface.instance)];
-    const auto count = static_cast<int>(positions.size());
-    cv::parallel_for_({0, (count + packet_size - 1) / packet_size}, [&](const cv::Range& range) {
-      for (int first = range.start * packet_size; first < std::min(count, range.end * packet_size);
-           first += packet_size) {
-        const int lanes = std::min(packet_size, count - first);
-        for (int i = 0; i < lanes; ++i) {
-          const auto k = static_cast<std::size_t>(first + i);
-          Light light = Light::Zero();
-          for (int axis = 0; axis < 3; ++axis) {
-            const float n = normals[k][axis];
-            light += n * n * cube[static_cast<std::size_t>(2 * axis + (n < 0.0F ? 1 : 0))];
-          }
-          lights[k] = light;
-        }
-        for (int lamp = 0; lamp < lamps.count(); ++lamp) {
-          Rays rays;
-          std::array<float, packet_size> strength{};
-          bool any = false;
-          for (int i = 0; i < lanes; ++i) {
-            const auto k = static_cast<std::size_t>(first + i);
-            strength[static_cast<std::size_t>(i)] =
-                lamps.strength(lamp, positions[k], normals[k]);
-            any = any || strength[static_cast<std::size_t>(i)] > 0.0F;
-            constexpr float off_the_skin = 0.008F;  // metres: cloth meshes reach into each other
-            rays[static_cast<std::size_t>(i)] =
-                lamps.towards(lamp, positions[k] + off_the_skin * normals[k], 0.0F, 0.0F);
-          }
-          if (!any) continue;
-          const unsigned bits = scene.blocked(rays, lanes);
-          for (int i = 0; i < lanes; ++i) {
-            if ((bits >> i & 1U) != 0) continue;
-            lights[static_cast<std::size_t>(first + i)].head<3>().array() +=
-                strength[static_cast<std::size_t>(i)];
-          }
-        }
-      }
-    });
-  }
-}
-
-Light ActorLight::at(const SurfaceHit& hit) const {
-  const auto& lights = vertices_[static_cast<std::size_t>(hit.surface - scene_.still_surfaces())];
-  const Eigen::Vector3i& t =
-      scene_.surface(hit.surface).mesh->triangles[static_cast<std::size_t>(hit.triangle)];
-  const auto at = [&](int i) -> const Light& { return lights[static_cast<std::size_t>(t[i])]; };
-  return (1.0F - hit.u - hit.v) * at(0) + hit.u * at(1) + hit.v * at(2);
 }
 
 }  // namespace dkp_slam

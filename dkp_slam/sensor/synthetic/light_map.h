@@ -13,6 +13,11 @@ namespace dkp_slam {
 /// there without them (windows, screens).
 using Light = Eigen::Vector4f;
 
+constexpr float without_lamps = 0.03F;  ///< light that always comes in
+constexpr float more_bounces = 1.35F;   ///< 1 / (1 - what an office reflects, about a quarter)
+/// Of a place without lamps: the same everywhere, 1 in all.
+Light plain_light();
+
 /// Lamps of a place: panels of 60 x 60 cm that shine downwards.
 class Lamps {
  public:
@@ -64,18 +69,6 @@ class LightMap {
   std::vector<Patch> patches_;    ///< of each triangle
   std::vector<Light> lights_;     ///< of each point
   std::vector<Light> albedos_;    ///< of each surface: mean blue, green, red, grey
-};
-
-/// Light on the vertices of the actors' meshes at the middle of the frame.
-class ActorLight {
- public:
-  ActorLight(const EmbreeScene& scene, const Lamps& lamps, const LightMap& map);
-  /// On an actor's surface.
-  Light at(const SurfaceHit& hit) const;
-
- private:
-  const EmbreeScene& scene_;
-  std::vector<std::vector<Light>> vertices_;  ///< of each moving surface
 };
 
 }  // namespace dkp_slam

@@ -107,14 +107,14 @@ void add_along_the_walls(FurnitureKit* kit, const OfficePlan& plan) {
   cv::RNG& rng = kit->rng;
   const RoomShape& room = plan.room;
   kit->place(book_shelf(rng, 1.1, 1.95), {-1.95, room.front - 0.17, 0.0});
-  kit->place(potted_plant(rng), {-1.15, room.front - 0.35, 0.0});
+  kit->place(potted_plant(rng), {-1.12, room.front - 0.38, 0.0});
   kit->place(cardboard_box(rng, {0.32, 0.24, 0.22}), {-2.05, room.front - 0.18, 1.95}, 0.2);
 
   const double right = room.right;
   kit->place(cupboard(rng, {1.1, 0.42, 0.80}, {150, 172, 186}, 2, 1), {right - 0.22, 1.35, 0.0},
              -0.5 * CV_PI);
   kit->place(stack_of_papers(rng), {right - 0.25, 1.65, 0.80}, 1.4);
-  kit->place(potted_plant(rng), {right - 0.22, 1.02, 0.80}, 0.4);
+  kit->place(potted_plant(rng), {right - 0.34, 1.02, 0.80}, 0.4);
   kit->place(cardboard_box(rng, {0.40, 0.30, 0.28}), {right - 0.28, 0.30, 0.0}, 1.3);
   kit->place(cardboard_box(rng, {0.30, 0.26, 0.20}), {right - 0.27, 0.29, 0.28}, 1.7);
 

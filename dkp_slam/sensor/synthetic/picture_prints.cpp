@@ -12,8 +12,8 @@ namespace dkp_slam {
 namespace {
 
 std::string made_up_words(cv::RNG& rng, int letters) {
-  static const char* const syllables[] = {"ta", "re", "no", "mi", "lu", "sen", "kor", "va",
-                                          "dis", "pel", "an", "gri", "to", "ber", "ex", "im"};
+  static const char* const syllables[] = {"ta",  "re",  "no", "mi",  "lu", "sen", "kor", "va",
+                                          "dis", "pel", "an", "gri", "to", "ber", "ex",  "im"};
   std::string text;
   while (static_cast<int>(text.size()) < letters) {
     std::string word;
@@ -126,8 +126,7 @@ cv::Mat landscape_print(cv::RNG& rng, cv::Size size) {
     const int x = rng.uniform(0, size.width), y = rng.uniform(size.height * 3 / 4, size.height);
     const int r = std::max((y - size.height / 2) / 8, 2);
     const cv::Point tree[3] = {{x - r / 2, y}, {x + r / 2, y}, {x, y - 2 * r}};
-    cv::fillConvexPoly(image, tree, 3, cv::Scalar(40, 70, 45) * rng.uniform(0.5, 1.7),
-                       cv::LINE_AA);
+    cv::fillConvexPoly(image, tree, 3, cv::Scalar(40, 70, 45) * rng.uniform(0.5, 1.7), cv::LINE_AA);
   }
   return image;
 }
@@ -210,8 +209,8 @@ cv::Mat whiteboard_print(cv::RNG& rng, cv::Size size) {
 cv::Mat cork_board_print(cv::RNG& rng, cv::Size size) {
   cv::Mat image(size, CV_8UC3, cv::Scalar(95, 140, 178));
   for (int i = 0; i < size.area() / 60; ++i) {
-    cv::circle(image, {rng.uniform(0, size.width), rng.uniform(0, size.height)},
-               rng.uniform(1, 3), cv::Scalar(90, 135, 172) * rng.uniform(0.75, 1.2), cv::FILLED);
+    cv::circle(image, {rng.uniform(0, size.width), rng.uniform(0, size.height)}, rng.uniform(1, 3),
+               cv::Scalar(90, 135, 172) * rng.uniform(0.75, 1.2), cv::FILLED);
   }
   const int h = size.height;
   for (int i = 0; i < 14; ++i) {
@@ -220,7 +219,7 @@ cv::Mat cork_board_print(cv::RNG& rng, cv::Size size) {
                        rng.uniform(4, std::max(h - note.height - 4, 5)));
     const cv::Mat print = rng.uniform(0, 3) == 0 ? any_poster_print(rng, note)
                           : rng.uniform(0, 2)    ? page_print(rng, note)
-                                                 : cv::Mat(note, CV_8UC3, cv::Scalar(110, 225, 240));
+                                              : cv::Mat(note, CV_8UC3, cv::Scalar(110, 225, 240));
     fill_box(&image, at.x + 3, at.y + 3, note.width, note.height, {55, 85, 110});  // its shade
     print.copyTo(image(cv::Rect(at, note) & cv::Rect(cv::Point(), size)));
     cv::circle(image, at + cv::Point(note.width / 2, 6), 5, room_colour(rng, 30, 200), cv::FILLED,
@@ -288,9 +287,13 @@ cv::Mat keyboard_print(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat book_spine_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, room_colour(rng, 25, 225));
-  const cv::Scalar ink =
-      cv::sum(image(cv::Rect(0, 0, 1, 1)))[0] > 120 ? cv::Scalar(40, 35, 40) : cv::Scalar(215, 225, 230);
+  static const cv::Scalar covers[8] = {{225, 230, 232}, {40, 40, 44}, {45, 40, 150},
+                                       {120, 70, 30},   {70, 95, 45}, {60, 140, 205},
+                                       {175, 190, 200}, {90, 60, 100}};
+  const cv::Scalar cover = covers[rng.uniform(0, 8)];
+  cv::Mat image(size, CV_8UC3, cover * rng.uniform(0.75, 1.08));
+  const cv::Scalar ink = cv::sum(image(cv::Rect(0, 0, 1, 1)))[0] > 120 ? cv::Scalar(40, 35, 40)
+                                                                       : cv::Scalar(215, 225, 230);
   const int w = size.width, h = size.height;
   // The title runs along the spine: written lying, then turned.
   cv::Mat lying(w, h, CV_8UC3, image.at<cv::Vec3b>(0, 0)), title;
@@ -324,16 +327,15 @@ cv::Mat cardboard_print(cv::RNG& rng, cv::Size size) {
   const cv::Rect label(w * rng.uniform(8, 50) / 100, h * rng.uniform(30, 55) / 100, w * 36 / 100,
                        h * 30 / 100);
   cv::rectangle(image, label, {232, 235, 238}, cv::FILLED);
-  write_lines(rng, &image,
-              cv::Rect(label.x + 4, label.y + 4, label.width - 8, label.height / 2),
+  write_lines(rng, &image, cv::Rect(label.x + 4, label.y + 4, label.width - 8, label.height / 2),
               std::max(h / 18, 7), {50, 45, 45});
   for (int x = label.x + 4; x < label.br().x - 6; x += rng.uniform(3, 7)) {  // bar code
     fill_box(&image, x, label.y + label.height * 6 / 10, rng.uniform(1, 4), label.height / 3,
              {30, 30, 30});
   }
   write_words(rng, &image, cv::Rect(w / 12, h * 8 / 100 + 2, w * 3 / 10, h / 9), brown * 0.4);
-  const cv::Point arrow[3] = {{w * 88 / 100, h * 70 / 100}, {w * 94 / 100, h * 86 / 100},
-                              {w * 82 / 100, h * 86 / 100}};
+  const cv::Point arrow[3] = {
+      {w * 88 / 100, h * 70 / 100}, {w * 94 / 100, h * 86 / 100}, {w * 82 / 100, h * 86 / 100}};
   cv::fillConvexPoly(image, arrow, 3, brown * 0.4, cv::LINE_AA);
   cv::rectangle(image, cv::Rect(0, 0, w, h), brown * 0.75, 2);
   return image;
@@ -342,7 +344,8 @@ cv::Mat cardboard_print(cv::RNG& rng, cv::Size size) {
 cv::Mat street_print(cv::RNG& rng, cv::Size size) {
   cv::Mat image(size, CV_8UC3);
   const int w = size.width, h = size.height;
-  for (int y = 0; y < h; ++y) image.row(y).setTo(cv::Scalar(235, 215 + y * 20 / h, 190 + y * 40 / h));
+  for (int y = 0; y < h; ++y)
+    image.row(y).setTo(cv::Scalar(235, 215 + y * 20 / h, 190 + y * 40 / h));
   add_octaves(rng, &image, 8.0, {3, 5});
   for (int x = -w / 20; x < w;) {  // houses across the street
     const int width = rng.uniform(w / 6, w / 3), top = rng.uniform(h / 5, h * 6 / 10);

@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 Vector3d up(double metres) { return {0, 0, metres}; }
 
 /// A box against a wall: its middle and its size along the wall, off it and upwards.
-void block_on(FurnitureKit* kit, const Wall& wall, const Vector3d& centre, double along,
-              double off, double high, const Material& material) {
+void block_on(FurnitureKit* kit, const Wall& wall, const Vector3d& centre, double along, double off,
+              double high, const Material& material) {
   kit->block(centre, {along, off, high}, material, std::atan2(wall.along.y(), wall.along.x()));
 }
 
@@ -29,10 +29,14 @@ double Wall::yaw() const { return std::atan2(along.y(), along.x()); }
 Wall wall_of(const RoomShape& room, Side side) {
   const double width = room.right - room.left, depth = room.front - room.back;
   switch (side) {
-    case Side::front: return {{room.left, room.front, 0}, Vector3d::UnitX(), width, room.height};
-    case Side::right: return {{room.right, room.front, 0}, -Vector3d::UnitY(), depth, room.height};
-    case Side::back: return {{room.right, room.back, 0}, -Vector3d::UnitX(), width, room.height};
-    case Side::left: break;
+    case Side::front:
+      return {{room.left, room.front, 0}, Vector3d::UnitX(), width, room.height};
+    case Side::right:
+      return {{room.right, room.front, 0}, -Vector3d::UnitY(), depth, room.height};
+    case Side::back:
+      return {{room.right, room.back, 0}, -Vector3d::UnitX(), width, room.height};
+    case Side::left:
+      break;
   }
   return {{room.left, room.back, 0}, Vector3d::UnitY(), depth, room.height};
 }
@@ -86,8 +90,8 @@ void add_ceiling(FurnitureKit* kit, const RoomShape& room) {
   const double width = room.right - room.left, depth = room.front - room.back;
   constexpr double metre = 160.0;
   kit->picture({room.left, room.back, room.height}, {width, 0, 0}, {0, depth, 0},
-               make_texture(ceiling_print(kit->rng, {cvRound(width * metre), cvRound(depth * metre)},
-                                          metre)));
+               make_texture(ceiling_print(
+                   kit->rng, {cvRound(width * metre), cvRound(depth * metre)}, metre)));
 }
 
 Vector3d add_lamp(FurnitureKit* kit, double x, double y, double ceiling) {
@@ -143,6 +147,9 @@ void add_door_frame(FurnitureKit* kit, const Wall& wall, const Opening& o) {
   }
   block_on(kit, wall, wall.at(0.5 * (o.from + o.to), o.top + 0.5 * bar - 0.01, off),
            o.to - o.from - 0.02, deep, bar, frame);
+  constexpr double sill = 0.012;
+  block_on(kit, wall, wall.at(0.5 * (o.from + o.to), 0.5 * sill, off), o.to - o.from, deep, sill,
+           kit->wood({90, 125, 155}));
 }
 
 void add_door_leaf(FurnitureKit* kit, const Wall& wall, const Opening& o, double angle,

@@ -52,8 +52,8 @@ void add_door_frame(FurnitureKit* kit, const Wall& wall, const Opening& opening)
 void add_door_leaf(FurnitureKit* kit, const Wall& wall, const Opening& opening, double angle,
                    const cv::Scalar& colour);
 /// A picture on the wall, its top left corner at (`right`, `up`); with a frame around it.
-void hang(FurnitureKit* kit, const Wall& wall, double right, double up, double width,
-          double height, const cv::Mat& print, bool framed = true);
+void hang(FurnitureKit* kit, const Wall& wall, double right, double up, double width, double height,
+          const cv::Mat& print, bool framed = true);
 /// Socket, switch, radiator: what every wall has.
 void add_socket(FurnitureKit* kit, const Wall& wall, double right, double up = 0.3);
 void add_radiator(FurnitureKit* kit, const Wall& wall, double right, double width);

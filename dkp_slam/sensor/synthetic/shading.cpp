@@ -1,5 +1,6 @@
 #include "dkp_slam/sensor/synthetic/shading.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace dkp_slam {
@@ -46,12 +47,12 @@ HitPlane hit_plane(const EmbreeScene& scene, const SurfaceHit& hit, const Ray& r
 
 Footprint footprint(const HitPlane& plane, const Ray& ray, const Vector3f& right,
                     const Vector3f& down, const Vector2f& motion) {
-  const float distance = (plane.point - ray.origin).dot(ray.direction) / ray.direction.squaredNorm();
+  const float distance =
+      (plane.point - ray.origin).dot(ray.direction) / ray.direction.squaredNorm();
   float slope = plane.normal.dot(ray.direction);
   if (std::abs(slope) < flattest_view) slope = slope < 0.0F ? -flattest_view : flattest_view;
   const auto on_texture = [&](const Vector3f& change) {
-    const Vector3f step =
-        distance * (change - ray.direction * (plane.normal.dot(change) / slope));
+    const Vector3f step = distance * (change - ray.direction * (plane.normal.dot(change) / slope));
     return Vector2f(plane.gradient_u.dot(step), plane.gradient_v.dot(step));
   };
   Footprint result;
@@ -63,20 +64,23 @@ Footprint footprint(const HitPlane& plane, const Ray& ray, const Vector3f& right
 }
 
 cv::Vec3f Shading::colour(const SurfaceHit& hit, const Vector2f& uv, const Footprint& footprint,
-                          int taps, float lamp_brightness) const {
+                          int taps, int taps_each, const PixelLight& pixel) const {
   const Surface& surface = scene_.surface(hit.surface);
   const Mesh& mesh = *surface.mesh;
   cv::Vec3f print(0.0F, 0.0F, 0.0F);
   for (int i = 0; i < taps; ++i) {
     const float along = (static_cast<float>(i) + 0.5F) / static_cast<float>(taps) - 0.5F;
-    const cv::Vec3f level =
-        mesh.texture->sample(uv + along * footprint.motion, footprint.right, footprint.down);
+    const cv::Vec3f level = mesh.texture->sample(uv + along * footprint.motion, footprint.right,
+                                                 footprint.down, taps_each);
     for (int c = 0; c < 3; ++c) print[c] += linear_light(level[c]);
   }
   const Light light = surface.instance == 0 ? still_.at(hit) : moving_.at(hit);
-  const float own = mesh.glow * (mesh.is_lamp ? lamp_brightness : 1.0F);
+  const float lost = surface.instance == 0 ? pixel.lost : 0.0F;
+  const float own = mesh.glow * (mesh.is_lamp ? pixel.lamps : 1.0F);
+  constexpr float deepest = 0.2F;  // shadow: walls and ceiling send light into it
   for (int c = 0; c < 3; ++c) {
-    print[c] *= (lamp_brightness * light[c] + light[3] + own) / static_cast<float>(taps);
+    const float lamps = std::max(light[c] - lost, deepest * light[c]);
+    print[c] *= (pixel.lamps * lamps + light[3] + own) / static_cast<float>(taps);
   }
   return print;
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "dkp_slam/sensor/synthetic/actor_light.h"
 #include "dkp_slam/sensor/synthetic/embree_scene.h"
 #include "dkp_slam/sensor/synthetic/light_map.h"
 
@@ -30,15 +31,22 @@ struct Footprint {
 Footprint footprint(const HitPlane& plane, const Ray& ray, const Eigen::Vector3f& right,
                     const Eigen::Vector3f& down, const Eigen::Vector2f& motion);
 
+/// What is special about the light at one pixel.
+struct PixelLight {
+  float lamps = 1.0F;  ///< their brightness at its time
+  float lost = 0.0F;   ///< of their direct light, to actors that stand in the way
+};
+
 /// Lights and textures of a scene at one time.
 class Shading {
  public:
   Shading(const EmbreeScene& scene, const LightMap& still, const ActorLight& moving)
       : scene_(scene), still_(still), moving_(moving) {}
 
-  /// Linear radiance, BGR, averaged over the way of `motion` in `taps` steps.
+  /// Linear radiance, BGR, averaged over the way of `motion` in `taps` steps, each of them filtered
+  /// with up to `taps_each` across the view.
   cv::Vec3f colour(const SurfaceHit& hit, const Eigen::Vector2f& uv, const Footprint& footprint,
-                   int taps, float lamp_brightness) const;
+                   int taps, int taps_each, const PixelLight& pixel) const;
 
  private:
   const EmbreeScene& scene_;

@@ -33,13 +33,11 @@ std::vector<Mesh> book_row(cv::RNG& rng, double width, double height, double dep
   const double stop = rng.uniform(0, 3) == 0 ? rng.uniform(0.2, 0.7) * end : end;
   while (x < stop) {
     const double thick = binders ? 0.07 : rng.uniform(0.014, 0.048);
-    const double tall = binders ? std::min(0.30, height - 0.02)
-                                : height * rng.uniform(0.58, 0.90);
+    const double tall = binders ? std::min(0.30, height - 0.02) : height * rng.uniform(0.58, 0.90);
     const double deep = binders ? depth * 0.95 : depth * rng.uniform(0.6, 0.85);
     if (x + thick > end) break;
     const cv::Size texels(std::max(cvRound(thick * 800.0), 10), cvRound(tall * 500.0));
-    const cv::Mat spine =
-        binders ? binder_spine_print(rng, texels) : book_spine_print(rng, texels);
+    const cv::Mat spine = binders ? binder_spine_print(rng, texels) : book_spine_print(rng, texels);
     add_book(&kit, x, {thick, deep, tall}, depth, covers[rng.uniform(0, 3)], spine);
     x += thick + 0.0015;
   }
@@ -69,8 +67,8 @@ std::vector<Mesh> keyboard_and_mouse(cv::RNG& rng) {
               make_texture(keyboard_print(rng, {430, 130})));
   kit.picture({0.27, 0.10, 0.002}, {0.24, 0, 0}, {0, -0.20, 0},
               make_texture(any_poster_print(rng, {144, 120})));  // mouse pad
-  kit.add(standing({0.38, 0.0, 0.02}, 0.2) * ellipsoid_mesh({0.03, 0.055, 0.018}, 16,
-                                                            plastic.texture));
+  kit.add(standing({0.38, 0.0, 0.02}, 0.2) *
+          ellipsoid_mesh({0.03, 0.055, 0.018}, 16, plastic.texture));
   return kit.meshes;
 }
 

@@ -40,8 +40,8 @@ cv::Mat plaster_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, dou
   // Scuffs, filled holes and drips of paint: what the eye only sees on a second look.
   for (int i = 0; i < cvRound(26.0 * area); ++i) {
     const cv::Point at = somewhere(rng, size);
-    const int r = cvRound(metre * rng.uniform(0.006, 0.024));
-    const cv::Scalar mark = tinted(rng, colour, 0.16);
+    const int r = cvRound(metre * rng.uniform(0.004, 0.018));
+    const cv::Scalar mark = colour * rng.uniform(0.84, 1.04);
     cv::ellipse(image, at, {r + 1, r / 3 + 1}, rng.uniform(0.0, 180.0), 0, 360, mark, cv::FILLED,
                 cv::LINE_AA);
   }
@@ -93,8 +93,8 @@ cv::Mat carpet_tiles_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour
       for (int i = 0; i < 30; ++i) {
         const int along = rng.uniform(0, tile), across = rng.uniform(0, tile);
         const int length = rng.uniform(tile / 12, tile / 3), width = rng.uniform(2, 5);
-        const cv::Scalar yarn = colour * (rng.uniform(0, 4) == 0 ? rng.uniform(1.35, 1.7)
-                                                                 : rng.uniform(0.6, 0.85));
+        const cv::Scalar yarn =
+            colour * (rng.uniform(0, 4) == 0 ? rng.uniform(1.35, 1.7) : rng.uniform(0.6, 0.85));
         cv::rectangle(part,
                       upright ? cv::Rect(across, along, width, length)
                               : cv::Rect(along, across, length, width),
@@ -170,8 +170,8 @@ cv::Mat rug_print(cv::RNG& rng, cv::Size size) {
     for (int x = 3 * border; x + cell < size.width - 2 * border; x += cell) {
       const cv::Point m(x + cell / 2 + rng.uniform(-2, 3), y + cell / 2 + rng.uniform(-2, 3));
       const int r = cell * rng.uniform(30, 46) / 100;
-      const cv::Point diamond[4] = {
-          m + cv::Point(r, 0), m + cv::Point(0, r), m - cv::Point(r, 0), m - cv::Point(0, r)};
+      const cv::Point diamond[4] = {m + cv::Point(r, 0), m + cv::Point(0, r), m - cv::Point(r, 0),
+                                    m - cv::Point(0, r)};
       cv::fillConvexPoly(image, diamond, 4, inks[rng.uniform(0, 3)], cv::LINE_AA);
       cv::circle(image, m, r / 3, inks[rng.uniform(0, 3)], cv::FILLED, cv::LINE_AA);
     }

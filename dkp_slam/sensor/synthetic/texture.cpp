@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -10,13 +11,34 @@
 namespace dkp_slam {
 namespace {
 
-// More than this many taps only matter on floors seen at a few degrees.
-constexpr int most_taps = 6;
-
 /// std::floor is a function call on processors of the oldest kind, which we build for.
 int floor_to_int(float x) {
   const auto whole = static_cast<int>(x);
   return whole - (x < static_cast<float>(whole) ? 1 : 0);
+}
+
+using Float4 = float __attribute__((vector_size(16)));
+using Int4 = std::int32_t __attribute__((vector_size(16)));
+using Short8 = std::int16_t __attribute__((vector_size(16)));
+using Byte16 = std::uint8_t __attribute__((vector_size(16)));
+
+/// The four bytes of a texel as numbers.
+Float4 unpack(std::uint32_t texel) {
+  const Int4 packed = {static_cast<std::int32_t>(texel), 0, 0, 0};
+  const Byte16 no_bytes = {};
+  const auto bytes = __builtin_shufflevector(std::bit_cast<Byte16>(packed), no_bytes, 0, 16, 1, 17,
+                                             2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  const Short8 no_shorts = {};
+  const auto shorts =
+      __builtin_shufflevector(std::bit_cast<Short8>(bytes), no_shorts, 0, 8, 1, 9, 2, 10, 3, 11);
+  return __builtin_convertvector(std::bit_cast<Int4>(shorts), Float4);
+}
+
+/// Base-2 logarithm of a positive number, exact at powers of two, between them straight lines:
+/// what a choice of pyramid levels needs, at a tenth of the price.
+float rough_log2(float x) {
+  const auto bits = std::bit_cast<std::int32_t>(x);
+  return static_cast<float>(bits) * 0x1p-23F - 127.0F;
 }
 
 }  // namespace
@@ -30,7 +52,9 @@ Texture::Texture(const cv::Mat& bgr, bool wrap) : wrap_(wrap) {
     for (int y = 0; y < image.rows; ++y) {
       const auto* row = image.ptr<cv::Vec3b>(y);
       for (int x = 0; x < image.cols; ++x) {
-        level.texels.emplace_back(row[x][0], row[x][1], row[x][2], std::uint8_t{0});
+        level.texels.push_back(static_cast<std::uint32_t>(row[x][0]) |
+                               static_cast<std::uint32_t>(row[x][1]) << 8U |
+                               static_cast<std::uint32_t>(row[x][2]) << 16U);
       }
     }
     levels_.push_back(std::move(level));
@@ -43,11 +67,11 @@ Texture::Texture(const cv::Mat& bgr, bool wrap) : wrap_(wrap) {
 }
 
 cv::Vec3f Texture::mean() const {
-  const cv::Vec4b& last = levels_.back().texels.front();
-  return {static_cast<float>(last[0]), static_cast<float>(last[1]), static_cast<float>(last[2])};
+  const Float4 last = unpack(levels_.back().texels.front());
+  return {last[0], last[1], last[2]};
 }
 
-cv::Vec3f Texture::bilinear(const Level& level, const Eigen::Vector2f& uv) const {
+Texture::Float4 Texture::bilinear(const Level& level, const Eigen::Vector2f& uv) const {
   const float x = uv.x() * static_cast<float>(level.width) - 0.5F;
   const float y = std::clamp(uv.y() * static_cast<float>(level.height) - 0.5F, 0.0F,
                              static_cast<float>(level.height - 1));
@@ -62,19 +86,16 @@ cv::Vec3f Texture::bilinear(const Level& level, const Eigen::Vector2f& uv) const
   }
   const int y0 = static_cast<int>(y), y1 = std::min(y0 + 1, level.height - 1);
   const float fy = y - static_cast<float>(y0);
-  const cv::Vec4b* upper = level.texels.data() + static_cast<std::ptrdiff_t>(y0) * level.width;
-  const cv::Vec4b* lower = level.texels.data() + static_cast<std::ptrdiff_t>(y1) * level.width;
-  cv::Vec3f result;
-  for (int c = 0; c < 3; ++c) {
-    const float top = upper[x0][c] + fx * static_cast<float>(upper[x1][c] - upper[x0][c]);
-    const float bottom = lower[x0][c] + fx * static_cast<float>(lower[x1][c] - lower[x0][c]);
-    result[c] = top + fy * (bottom - top);
-  }
-  return result;
+  const std::uint32_t* upper = level.texels.data() + static_cast<std::ptrdiff_t>(y0) * level.width;
+  const std::uint32_t* lower = level.texels.data() + static_cast<std::ptrdiff_t>(y1) * level.width;
+  const Float4 top_left = unpack(upper[x0]), bottom_left = unpack(lower[x0]);
+  const Float4 top = top_left + fx * (unpack(upper[x1]) - top_left);
+  const Float4 bottom = bottom_left + fx * (unpack(lower[x1]) - bottom_left);
+  return top + fy * (bottom - top);
 }
 
 cv::Vec3f Texture::sample(const Eigen::Vector2f& uv, const Eigen::Vector2f& du,
-                          const Eigen::Vector2f& dv) const {
+                          const Eigen::Vector2f& dv, int most_taps) const {
   const Eigen::Array2f texels(static_cast<float>(levels_[0].width),
                               static_cast<float>(levels_[0].height));
   float longer = (du.array() * texels).matrix().norm();
@@ -89,34 +110,38 @@ cv::Vec3f Texture::sample(const Eigen::Vector2f& uv, const Eigen::Vector2f& du,
   const int taps = std::max(static_cast<int>(std::ceil(ratio)), 1);
   const auto last_level = static_cast<float>(levels_.size() - 1);
   const float lod =
-      std::clamp(std::log2(std::max(longer / static_cast<float>(taps), 1e-6F)), 0.0F, last_level);
+      std::clamp(rough_log2(std::max(longer / static_cast<float>(taps), 1.0F)), 0.0F, last_level);
   const auto fine = static_cast<std::size_t>(lod);
-  const float share = lod - static_cast<float>(fine);
-  cv::Vec3f sum(0.0F, 0.0F, 0.0F);
+  // Half of the way between two levels one of them alone will do.
+  constexpr float alone = 0.25F;
+  const float share =
+      std::clamp((lod - static_cast<float>(fine) - alone) / (1.0F - 2.0F * alone), 0.0F, 1.0F);
+  const Level& level = levels_[share < 1.0F ? fine : fine + 1];
+  const bool both = share > 0.0F && share < 1.0F;
+  Float4 sum = {};
   for (int i = 0; i < taps; ++i) {
     const float along = (static_cast<float>(i) + 0.5F) / static_cast<float>(taps) - 0.5F;
     const Eigen::Vector2f at = uv + along * axis;
-    cv::Vec3f colour = bilinear(levels_[fine], at);
-    if (share > 0.0F) colour += share * (bilinear(levels_[fine + 1], at) - colour);
+    Float4 colour = bilinear(level, at);
+    if (both) colour += share * (bilinear(levels_[fine + 1], at) - colour);
     sum += colour;
   }
-  return sum * (1.0F / static_cast<float>(taps));
+  sum *= 1.0F / static_cast<float>(taps);
+  return {sum[0], sum[1], sum[2]};
 }
 
 float linear_light(float level) {
-  // A table of 1/8 grey levels: the power function would take a third of the shading.
+  // A table of 1/16 grey levels: the power function would take a third of the shading.
+  constexpr int parts = 16;
   static const auto table = [] {
-    std::array<float, 255 * 8 + 2> values{};
+    std::array<float, 255 * parts + 1> values{};
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const double c = static_cast<double>(i) / (255.0 * 8.0);
+      const double c = static_cast<double>(i) / (255.0 * parts);
       values[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
     }
     return values;
   }();
-  const float x = std::clamp(level, 0.0F, 255.0F) * 8.0F;
-  const auto i = static_cast<std::size_t>(x);
-  const float share = x - static_cast<float>(i);
-  return table[i] + share * (table[i + 1] - table[i]);
+  return table[static_cast<std::size_t>(std::clamp(level, 0.0F, 255.0F) * parts + 0.5F)];
 }
 
 }  // namespace dkp_slam
