@@ -33,7 +33,7 @@ struct FigureOptions {
   bool starts_seated = false;        ///< on a seat at `start`
   double walking_speed = 1.1;        ///< metres per second
   std::vector<Activity> activities;  ///< the last one goes on for ever, or with `repeat`: again
-  bool repeat = false;               ///< from the first one, when the last is done
+  bool repeat = false;               ///< from the first one, when the last is done; for an hour
 };
 
 /// A jointed, clothed person with skin, hair and a face. Same options, same bytes.

@@ -48,33 +48,46 @@ double folds(const Vector3d& p, double phase) {
          0.3 * std::sin(2.0 * a + 38.0 * p.z() + 3.0 * phase);
 }
 
-SkinnedMesh trunk(const FigureLook& look) {
-  LoftShape shape;
-  shape.sections = {{1.535, .058, .048, .062, 2.0}, {1.515, .062, .053, .068, 2.0},
-                    {1.492, .090, .064, .078, 2.1}, {1.470, .132, .078, .090, 2.2},
-                    {1.445, .166, .092, .100, 2.4}, {1.410, .182, .108, .110, 2.6},
-                    {1.360, .184, .121, .114, 2.6}, {1.300, .178, .127, .112, 2.5},
-                    {1.220, .166, .120, .103, 2.4}, {1.140, .159, .114, .096, 2.3},
-                    {1.060, .160, .113, .097, 2.3}, {0.980, .168, .115, .112, 2.3},
-                    {0.910, .177, .117, .128, 2.4}, {0.865, .178, .116, .127, 2.4},
-                    {0.860, .160, .100, .110, 2.4}};
-  const bool open = look.top == FigureLook::Top::jacket;
-  for (Section& s : shape.sections) {
+/// Women's waists are narrower, by this share of the side and a little more in front.
+double waist(const FigureLook& look, double z) {
+  return look.woman ? std::exp(-std::pow((z - 1.12) / 0.08, 2.0)) : 0.0;
+}
+
+std::vector<Section> trunk_sections(const FigureLook& look) {
+  std::vector<Section> sections = {{1.535, .058, .048, .062, 2.0}, {1.515, .062, .053, .068, 2.0},
+                                   {1.496, .088, .064, .078, 2.1}, {1.477, .130, .078, .090, 2.2},
+                                   {1.455, .168, .092, .100, 2.3}, {1.415, .186, .108, .110, 2.5},
+                                   {1.360, .184, .121, .114, 2.6}, {1.300, .178, .127, .112, 2.5},
+                                   {1.220, .166, .120, .103, 2.4}, {1.140, .159, .114, .096, 2.3}};
+  const std::vector<Section> hanging = {{1.060, .162, .115, .100, 2.3},
+                                        {0.980, .174, .120, .120, 2.3},
+                                        {0.920, .186, .126, .140, 2.4},
+                                        {0.885, .187, .126, .141, 2.4},
+                                        {0.880, .170, .110, .125, 2.4}};
+  const std::vector<Section> inside = {{1.075, .160, .116, .100, 2.3},
+                                       {1.062, .158, .114, .098, 2.3},
+                                       {1.045, .138, .094, .082, 2.3},
+                                       {0.980, .130, .085, .080, 2.3}};
+  const std::vector<Section>& hem = look.tucked ? inside : hanging;
+  sections.insert(sections.end(), hem.begin(), hem.end());
+  for (Section& s : sections) {
     s.shift = -0.012;
     const double above = smooth_step(s.along, 1.16, 1.30);
-    s.side *= above * look.shoulders + (1.0 - above);
-    if (look.woman) {
-      const double waist = std::exp(-std::pow((s.along - 1.12) / 0.08, 2.0));
-      s.side *= 1.0 - 0.10 * waist;
-      s.front *= 1.0 - 0.12 * waist;
-    }
-    const double girth = s.along > 1.47 ? 1.0 : look.build * (open ? 1.06 : 1.0);
-    s.side *= girth;
-    s.front *= girth;
+    const double girth =
+        s.along > 1.47 ? 1.0 : look.build * (look.top == FigureLook::Top::jacket ? 1.06 : 1.0);
+    s.side *=
+        (above * look.shoulders + (1.0 - above)) * (1.0 - 0.10 * waist(look, s.along)) * girth;
+    s.front *= (1.0 - 0.12 * waist(look, s.along)) * girth;
     s.back *= girth;
   }
-  shape.rows = 34;
-  shape.sides = 32;
+  return sections;
+}
+
+SkinnedMesh trunk(const FigureLook& look) {
+  LoftShape shape;
+  shape.sections = trunk_sections(look);
+  shape.rows = 30;
+  shape.sides = 28;
   const double phase = static_cast<double>(look.texture_seed % 628) / 100.0;
   const auto bump = [&](double, const Vector3d& p) -> Vector3d {
     Vector3d moved = p;
@@ -116,9 +129,9 @@ double sleeve_folds(const Vector3d& p, double phase) {
 
 SkinnedMesh sleeve(const FigureLook& look, int side) {
   LoftShape shape;
-  shape.sections = {{1.478, .004, .004, .004, 2.0}, {1.474, .022, .024, .024, 2.0},
-                    {1.462, .039, .042, .042, 2.0}, {1.435, .052, .056, .056, 2.0},
-                    {1.390, .054, .060, .060, 2.1}, {1.330, .051, .056, .056, 2.0}};
+  shape.sections = {{1.474, .004, .004, .004, 2.0}, {1.470, .022, .024, .024, 2.0},
+                    {1.456, .037, .042, .042, 2.0}, {1.430, .049, .056, .056, 2.0},
+                    {1.385, .053, .060, .060, 2.1}, {1.330, .051, .056, .056, 2.0}};
   if (look.long_sleeves()) {
     const std::vector<Section> rest = {
         {1.250, .047, .050, .050, 2.0}, {1.180, .044, .046, .047, 2.0},
@@ -135,16 +148,17 @@ SkinnedMesh sleeve(const FigureLook& look, int side) {
   }
   const bool thick = look.top == FigureLook::Top::jacket || look.top == FigureLook::Top::pullover;
   shape.sections = scaled(shape.sections, look.build * (thick ? 1.06 : 1.0));
-  shape.rows = look.long_sleeves() ? 36 : 16;
-  shape.sides = 16;
+  shape.rows = look.long_sleeves() ? 30 : 14;
+  shape.sides = 14;
   const double phase = static_cast<double>(look.texture_seed % 314) / 50.0 + side;
   return loft(
       shape, shifted(-0.01, 0.185 * look.shoulders * side, 0.0),
       [&](const Vector3d& p) { return arm_influence(side, p.z()); },
       [&](double, const Vector3d& p) -> Vector3d {
-        if (!look.long_sleeves()) return p;
-        const double stand_off = 1.0 + 0.07 * sleeve_folds(p, phase);
-        return {stand_off * p.x(), stand_off * p.y(), p.z()};
+        const double stand_off = look.long_sleeves() ? 1.0 + 0.07 * sleeve_folds(p, phase) : 1.0;
+        // The shoulder slopes: its top lies nearer to the neck.
+        const double inwards = 0.55 * std::max(p.z() - 1.37, 0.0);
+        return {stand_off * p.x(), stand_off * p.y() - side * inwards, p.z()};
       });
 }
 
@@ -155,8 +169,8 @@ SkinnedMesh bare_arm(const FigureLook& look, int side) {
                     {1.070, .041, .043, .039, 2.0}, {0.980, .034, .037, .034, 2.0},
                     {0.900, .024, .029, .028, 2.0}, {0.865, .021, .027, .027, 2.0}};
   shape.sections = scaled(shape.sections, look.woman ? 0.86 * look.build : look.build);
-  shape.rows = 22;
-  shape.sides = 14;
+  shape.rows = 16;
+  shape.sides = 12;
   return loft(shape, shifted(-0.01, 0.185 * look.shoulders * side, 0.0),
               [&](const Vector3d& p) { return arm_influence(side, p.z()); });
 }
@@ -168,9 +182,16 @@ SkinnedMesh pelvis(const FigureLook& look) {
                     {0.870, .169, .102, .120, 2.5}, {0.835, .150, .086, .105, 2.4},
                     {0.805, .100, .060, .075, 2.2}, {0.785, .020, .015, .020, 2.0}};
   shape.sections = scaled(shape.sections, look.build);
-  for (Section& s : shape.sections) s.shift = -0.01;
-  shape.rows = 16;
-  shape.sides = 24;
+  for (Section& s : shape.sections) {
+    s.shift = -0.01;
+    // Under a shirt that hangs over it the band must not show.
+    const double hidden = look.tucked ? 1.02 : 1.0 - 0.16 * smooth_step(s.along, 0.96, 1.04);
+    s.side *= hidden * (1.0 - 0.10 * waist(look, s.along));
+    s.front *= hidden * (1.0 - 0.12 * waist(look, s.along));
+    s.back *= hidden;
+  }
+  shape.rows = 13;
+  shape.sides = 20;
   return loft(shape, in_place, [](const Vector3d&) { return Influence::of(Joint::pelvis); });
 }
 
@@ -191,8 +212,8 @@ SkinnedMesh leg(const FigureLook& look, int side) {
     s.front *= girth;
     s.back *= girth;
   }
-  shape.rows = 44;
-  shape.sides = 18;
+  shape.rows = 31;
+  shape.sides = 16;
   const double phase = static_cast<double>(look.texture_seed % 419) / 60.0 + side;
   const Joint thigh = of_side(Joint::left_thigh, side), shin = of_side(Joint::left_shin, side);
   return loft(
@@ -219,8 +240,8 @@ SkinnedMesh shoe(int side) {
                     {-.110, .047, .022, .040, 3.0, .040}, {-.150, .045, .012, .040, 3.0, .040},
                     {-.180, .036, .010, .034, 2.8, .036}, {-.196, .022, .012, .024, 2.4, .030},
                     {-.203, .004, .004, .004, 2.0, .026}};
-  shape.rows = 24;
-  shape.sides = 16;
+  shape.rows = 17;
+  shape.sides = 12;
   Eigen::Matrix3d axes;
   axes << 0, 0, -1, 0, 1, 0, 1, 0, 0;
   const Joint foot = of_side(Joint::left_foot, side), toes = of_side(Joint::left_toes, side);

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/sensor/synthetic/figure_textures.h"
 #include "dkp_slam/sensor/synthetic/patterns.h"
 
 namespace dkp_slam {
@@ -28,40 +29,56 @@ class FacePainter {
 
   /// A spot of a colour, soft by `blur` pixels, covering by `share`.
   void spot(double angle, double height, double half_angle, double half_height,
-            const cv::Scalar& colour, double share, double blur, double tilt = 0.0) {
+            const cv::Scalar& colour, double share, double blur) {
     const cv::Point2d centre = at(angle, height);
     const cv::Size2d half(std::abs(at(angle + half_angle, height).x - centre.x),
                           half_height / span * image_.rows);
-    cv::Mat mask = cv::Mat::zeros(image_.size(), CV_32F);
+    const cv::Rect box = around(cv::Rect2d(centre.x - half.width, centre.y - half.width,
+                                           2.0 * half.width, 2.0 * half.width) |
+                                    cv::Rect2d(centre.x - half.height, centre.y - half.height,
+                                               2.0 * half.height, 2.0 * half.height),
+                                blur);
+    const cv::Point2d middle = centre - cv::Point2d(box.tl());
+    cv::Mat mask = cv::Mat::zeros(box.size(), CV_32F);
     constexpr int shift = 4;
-    cv::ellipse(mask, cv::Point(cvRound(centre.x * 16), cvRound(centre.y * 16)),
-                cv::Size(cvRound(half.width * 16), cvRound(half.height * 16)), tilt, 0, 360,
+    cv::ellipse(mask, cv::Point(cvRound(middle.x * 16), cvRound(middle.y * 16)),
+                cv::Size(cvRound(half.width * 16), cvRound(half.height * 16)), 0, 0, 360,
                 cv::Scalar(share), cv::FILLED, cv::LINE_8, shift);
-    if (blur > 0.0) cv::GaussianBlur(mask, mask, cv::Size(), blur, blur);
-    blend(mask, colour);
+    blend(box, mask, blur, colour);
   }
 
   void line(const std::vector<cv::Point2d>& points, double width, const cv::Scalar& colour,
             double share, double blur) {
-    cv::Mat mask = cv::Mat::zeros(image_.size(), CV_32F);
+    cv::Rect2d bounds(points.front(), points.back());
+    for (const cv::Point2d& p : points) bounds |= cv::Rect2d(p, cv::Size2d(1.0, 1.0));
+    const cv::Rect box = around(bounds, blur + width);
+    const cv::Point2d origin = box.tl();
+    cv::Mat mask = cv::Mat::zeros(box.size(), CV_32F);
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-      cv::line(mask, points[i], points[i + 1], cv::Scalar(share), std::max(cvRound(width), 1));
+      cv::line(mask, points[i] - origin, points[i + 1] - origin, cv::Scalar(share),
+               std::max(cvRound(width), 1));
     }
-    if (blur > 0.0) cv::GaussianBlur(mask, mask, cv::Size(), blur, blur);
-    blend(mask, colour);
+    blend(box, mask, blur, colour);
   }
 
   cv::Mat& image() { return image_; }
 
  private:
-  void blend(const cv::Mat& mask, const cv::Scalar& colour) {
-    for (int y = 0; y < image_.rows; ++y) {
-      const auto* share = mask.ptr<float>(y);
+  static cv::Rect around(const cv::Rect2d& bounds, double blur) {
+    const int margin = cvRound(3.0 * blur) + 3;
+    return {cvFloor(bounds.x) - margin, cvFloor(bounds.y) - margin,
+            cvCeil(bounds.width) + 2 * margin, cvCeil(bounds.height) + 2 * margin};
+  }
+
+  void blend(const cv::Rect& box, cv::Mat& mask, double blur, const cv::Scalar& colour) {
+    if (blur > 0.0) cv::GaussianBlur(mask, mask, cv::Size(), blur, blur);
+    const cv::Rect seen = box & cv::Rect(cv::Point(), image_.size());
+    for (int y = seen.y; y < seen.br().y; ++y) {
+      const auto* share = mask.ptr<float>(y - box.y);
       auto* pixel = image_.ptr<cv::Vec3b>(y);
-      for (int x = 0; x < image_.cols; ++x) {
-        if (share[x] <= 0.0F) continue;
+      for (int x = seen.x; x < seen.br().x; ++x) {
         for (int c = 0; c < 3; ++c) {
-          const double mixed = pixel[x][c] + share[x] * (colour[c] - pixel[x][c]);
+          const double mixed = pixel[x][c] + share[x - box.x] * (colour[c] - pixel[x][c]);
           pixel[x][c] = cv::saturate_cast<unsigned char>(mixed);
         }
       }
@@ -129,13 +146,14 @@ cv::Mat paint_head(cv::RNG& rng, const FigureLook& look) {
     const cv::Scalar stubble = look.hair * 0.75;
     face.spot(0.0, 0.016, 0.75, 0.020, stubble, share, 5.0);
     for (const double side : {-1.0, 1.0}) {
-      face.spot(side * 0.85, 0.035, 0.35, 0.034, stubble, share, 7.0, -side * 25.0);
+      face.spot(side * 0.70, 0.022, 0.40, 0.022, stubble, share, 6.0);
+      face.spot(side * 1.10, 0.050, 0.28, 0.038, stubble, share, 6.0);
     }
     face.spot(0.0, 0.0605, 0.26, 0.0045, stubble, share, 2.0);
   }
   paint_eyes(face, look);
   paint_nose_and_mouth(face, look);
-  add_octaves(rng, &face.image(), 4.0, {16, 8});
+  add_wrapped_octaves(rng, &face.image(), 4.0, {16, 8});
   return face.image();
 }
 

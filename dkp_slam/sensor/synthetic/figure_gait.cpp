@@ -12,11 +12,11 @@ namespace {
 // In steps (from one foot's landing to the other's), after Perry, "Gait Analysis" (1992): a foot
 // is in the air for 40% of two steps, and lands before the body is over it.
 constexpr double in_the_air = 0.80;
-constexpr double ahead = 0.55;
+constexpr double ahead = 0.45;
 constexpr double toe_out = 0.10;                  // radians
 constexpr double turn_of_a_step = 0.70;           // radians
 constexpr double normal_stride = 1.2;             // metres, of a foot, for the full roll
-constexpr double heel_up = 0.62, toes_up = 0.30;  // radians
+constexpr double heel_up = 0.85, toes_up = 0.30;  // radians
 constexpr double flat_after = 0.13;               // seconds from the heel's landing
 
 /// How many steps have been made at the times of a fine grid.

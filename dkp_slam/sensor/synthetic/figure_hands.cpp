@@ -17,8 +17,8 @@ SkinnedMesh finger(const Vector3d& knuckle, const Vector3d& direction, const Vec
                     {-0.6 * length, .92 * radius, .92 * radius, .92 * radius, 2.0},
                     {-0.92 * length, .70 * radius, .70 * radius, .70 * radius, 2.0},
                     {-length, .15 * radius, .15 * radius, .15 * radius, 2.0}};
-  shape.rows = 8;
-  shape.sides = 7;
+  shape.rows = 6;
+  shape.sides = 6;
   const Eigen::Quaterniond turn =
       Eigen::Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), direction.normalized());
   const Vector3d local_curl = turn.conjugate() * curl;
@@ -44,8 +44,8 @@ SkinnedMesh hand(const FigureLook& look, int side) {
     s.front *= girth;
     s.back *= girth;
   }
-  palm.rows = 14;
-  palm.sides = 14;
+  palm.rows = 10;
+  palm.sides = 12;
   SkinnedMesh skin = loft(palm, {Eigen::Quaterniond::Identity(), Vector3d(x, y, 0.0)},
                           [&](const Vector3d&) { return Influence::of(joint); });
   const Vector3d inwards(0.0, -side, 0.0);

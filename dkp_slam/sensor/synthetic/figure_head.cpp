@@ -14,7 +14,7 @@ constexpr double chin = 1.522;  // metres above the floor
 constexpr double crown = 1.750;
 constexpr double ahead = 0.012;   // the head's axis ahead of the figure's
 constexpr double frontal = 0.45;  // more columns in the face than on the back of the head
-constexpr int columns = 48;
+constexpr int columns = 40;
 
 double gauss(double value, double sigma) { return std::exp(-0.5 * value * value / sigma / sigma); }
 
@@ -91,7 +91,7 @@ double hair_line(const FigureLook& look, double angle) {
 
 /// A shell over the head from the crown to the hair line.
 SkinnedMesh hair(const FigureLook& look) {
-  constexpr int rows = 22;
+  constexpr int rows = 17;
   const std::vector<Section> sections = head_sections(look);
   const bool is_short = look.hair_cut == FigureLook::HairCut::short_hair;
   const double thickness = is_short ? 0.013 : 0.020;
@@ -108,7 +108,9 @@ SkinnedMesh hair(const FigureLook& look) {
       const double hanging = is_short ? 0.035 : 0.115;
       Section section = section_at(sections, std::max(z, hanging));
       Vector3d p = section_point(section, angle);
-      p.z() = z;
+      // And gathers towards its end.
+      const double taper = 1.0 - 0.16 * smooth_step(z, hanging, -0.16);
+      p = {taper * p.x(), taper * p.y(), z};
       const double edge = smooth_step(q, 1.0, is_short ? 0.8 : 0.9);
       const double strands = 1.0 + 0.16 * std::sin(9.0 * angle + phase + 14.0 * q) +
                              0.10 * std::sin(23.0 * angle + 2.0 * phase);
@@ -134,7 +136,7 @@ SkinnedMesh hair(const FigureLook& look) {
 std::vector<SkinnedMesh> figure_head(const FigureLook& look, const FigureTextures& textures) {
   LoftShape shape;
   shape.sections = head_sections(look);
-  shape.rows = 44;
+  shape.rows = 38;
   shape.sides = columns;
   shape.frontal = frontal;
   SkinnedMesh head = loft(

@@ -57,6 +57,8 @@ FigureLook random_look(std::uint64_t seed) {
   look.hair_cut = look.woman ? static_cast<FigureLook::HairCut>(rng.uniform(1, 3))
                              : FigureLook::HairCut::short_hair;
   look.beard = !look.woman && rng.uniform(0, 3) == 0;
+  look.tucked = (look.top == FigureLook::Top::t_shirt || look.top == FigureLook::Top::shirt) &&
+                rng.uniform(0, 2) == 0;
   look.texture_seed = rng.next();
   look.motion_seed = rng.next();
   return look;

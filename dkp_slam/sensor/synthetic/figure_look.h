@@ -23,6 +23,7 @@ struct FigureLook {
   Cloth cloth = Cloth::plain;
   HairCut hair_cut = HairCut::short_hair;
   bool beard = false;
+  bool tucked = false;  ///< the shirt into the trousers: the belt shows
   std::uint64_t texture_seed = 0;
   std::uint64_t motion_seed = 0;
 

@@ -23,6 +23,9 @@ double soft_min(double a, double b, double width) {
   return 0.5 * (a + b - std::hypot(a - b, width));
 }
 
+/// 1 where a foot of this pitch rests on its ball, 0 where it rests on its heel.
+double on_ball(double pitch) { return smooth_step(pitch, -0.15, 0.15); }
+
 /// A slow movement without an audible period, -1 to 1.
 double idle(double time, double period, double phase) {
   const double w = 2.0 * M_PI / period;
@@ -44,6 +47,7 @@ struct FigureMotion::Moment {
   double rising;  ///< 1 in the middle of sitting down or getting up
   std::array<double, gesture_count> gestures;
   std::array<FootPose, 2> feet;  ///< left, right
+  double walking;                ///< 0 at rest, near 1 at a walker's speed
   double apart;                  ///< left foot ahead of the right one, metres, in the root's frame
 
   const FootPose& foot(int side) const { return feet[side > 0 ? 0 : 1]; }
@@ -84,32 +88,42 @@ FigureMotion::Moment FigureMotion::moment(double time) const {
   now.rising = 4.0 * now.seated * (1.0 - now.seated);
   now.gestures = script_.gestures(time);
   now.feet = {gait_.foot(1, time), gait_.foot(-1, time)};
+  const Eigen::Vector2d velocity = (script_.place(time + 0.05) - script_.place(time - 0.05)) / 0.1;
+  now.walking = velocity.squaredNorm() / (velocity.squaredNorm() + 0.2);
   const Eigen::Vector2d between = now.feet[0].place - now.feet[1].place;
   const Vector3d ahead = now.root.rotation * Vector3d::UnitX();
   now.apart = between.dot(ahead.head<2>());
   return now;
 }
 
+/// Raised heels turn about the ball of the foot, raised toes about the heel.
+Vector3d FigureMotion::ankle(const FootPose& foot) const {
+  const Vector3d flat = rest_[Joint::left_foot];
+  const Vector3d ball = rest_[Joint::left_toes] - flat, heel(-0.07 * scale_, 0.0, -flat.z());
+  const Vector3d pivot = heel + on_ball(foot.pitch) * (ball - heel);
+  const Quaterniond heading = about_z(foot.heading);
+  const Vector3d under(foot.place.x(), foot.place.y(), flat.z() + foot.lift);
+  return under + heading * (pivot - about_y(foot.pitch) * pivot);
+}
+
 double FigureMotion::hip_height(const Moment& now) const {
   const double leg = rest_[Joint::left_thigh].z() - rest_[Joint::left_foot].z();
   // Nobody walks or stands on legs stretched to the last.
-  const double ankle = rest_[Joint::left_foot].z();
-  double height = ankle + 0.982 * leg;
+  double height = rest_[Joint::left_foot].z() + 0.993 * leg;
   for (const int side : {1, -1}) {
-    const FootPose& foot = now.foot(side);
-    const Eigen::Vector2d from = foot.place - now.root.translation.head<2>();
-    // A raised heel lends the leg length.
-    const double lent = foot.lift + 0.13 * scale_ * std::sin(std::max(foot.pitch, 0.0));
-    const double aside = std::min(from.norm(), 0.9 * leg);
-    const double most = std::sqrt(0.990 * 0.990 * leg * leg - aside * aside);
-    height = soft_min(height, ankle + lent + most, 0.02 * scale_);
+    const Vector3d foot = now.root.inverse() * ankle(now.foot(side));
+    const double stretch = 0.996 * leg, ahead = std::min(std::abs(foot.x()), 0.9 * leg);
+    // A foot in the air holds nobody down.
+    const double free = 6.0 * now.foot(side).lift;
+    height = soft_min(height, foot.z() + free + std::sqrt(stretch * stretch - ahead * ahead),
+                      0.015 * scale_);
   }
   return height;
 }
 
 void FigureMotion::pose_trunk(const Moment& now, JointPoses& joints) const {
   const double t = now.time, sit = now.seated, stand = 1.0 - sit;
-  const double walking = std::min(std::abs(now.apart) / (0.4 * scale_), 1.0);
+  const double walking = now.walking;
   const double shift = (now.foot(-1).lift - now.foot(1).lift) * 0.45;
   const double weight = stand * 0.012 * idle(t, 9.0, phases_[0]) * (1.0 - walking);
   // On the seat the hips lie a hand's breadth behind its middle.
@@ -149,24 +163,18 @@ void FigureMotion::pose_leg(const Moment& now, int side, JointPoses& joints) con
   const Joint foot = of_side(Joint::left_foot, side), toes = of_side(Joint::left_toes, side);
   const FootPose& pose = now.foot(side);
   const Quaterniond heading = about_z(pose.heading);
-  // Raised heels turn about the ball of the foot, raised toes about the heel.
-  const Vector3d ball = rest_[toes] - rest_[foot], heel(-0.07 * scale_, 0.0, -rest_[foot].z());
-  const double rolls = smooth_step(pose.pitch, -0.15, 0.15);
-  const Vector3d pivot = heel + rolls * (ball - heel);
   const Quaterniond turn = heading * about_y(pose.pitch);
-  const Vector3d under(pose.place.x(), pose.place.y(), rest_[foot].z() + pose.lift);
-  const Vector3d ankle = under + heading * pivot - turn * pivot;
-
+  const Vector3d target = ankle(pose);
   const Vector3d hip = joints[Joint::pelvis] * (rest_[thigh] - rest_[Joint::pelvis]);
   const Vector3d knee = heading * Vector3d(1.0, 0.10 * side, 0.25);
   const double upper = (rest_[thigh] - rest_[shin]).norm();
   const double lower = (rest_[shin] - rest_[foot]).norm();
-  const LimbBend bend = bend_limb(hip, ankle, knee, upper, lower, -1);
+  const LimbBend bend = bend_limb(hip, target, knee, upper, lower, -1);
   joints[thigh] = {bend.upper, hip};
   joints[shin] = {bend.lower, joints[thigh] * (rest_[shin] - rest_[thigh])};
   joints[foot] = {turn, joints[shin] * (rest_[foot] - rest_[shin])};
   // The toes stay on the floor while the heel is up.
-  const double up = pose.pitch * rolls;
+  const double up = pose.pitch * on_ball(pose.pitch);
   joints[toes] = joints[foot] * Se3(about_y(-up), rest_[toes] - rest_[foot]);
 }
 
@@ -225,13 +233,13 @@ FigureMotion::HandPose FigureMotion::gesturing(const Moment& now, Gesture gestur
       break;
     }
     case Gesture::phone:
-      pose.wrist = {0.105, 0.155 * s, 0.075};
-      pose.elbow = {0.25, 0.8 * s, -1.0};
+      pose.wrist = {0.115, 0.135 * s, 0.03};
+      pose.elbow = {0.0, 0.45 * s, -1.0};
       pose.bend = 0.25;
       break;
     case Gesture::wave: {
       const double beat = std::sin(2.0 * M_PI * 1.3 * t + phases_[4]);
-      pose.wrist = {0.20, (0.34 + 0.07 * beat) * s, 0.20};
+      pose.wrist = {0.20, (0.40 + 0.07 * beat) * s, 0.19};
       pose.elbow = {-0.1, 0.7 * s, -1.0};
       pose.palm = 1.2;
       break;

@@ -25,6 +25,7 @@ class FigureMotion {
   struct HandPose;
 
   Moment moment(double time) const;
+  Eigen::Vector3d ankle(const FootPose& foot) const;
   double hip_height(const Moment& now) const;
   void pose_trunk(const Moment& now, JointPoses& joints) const;
   void pose_leg(const Moment& now, int side, JointPoses& joints) const;

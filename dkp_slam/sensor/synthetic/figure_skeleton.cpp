@@ -8,7 +8,7 @@ namespace {
 
 /// Close to `value` below `limit`, never above it, without a kink.
 double soft_limit(double value, double limit) {
-  constexpr double width = 0.01;
+  constexpr double width = 0.006;
   const double below = 0.5 * (value + limit - std::hypot(value - limit, width));
   return std::max(below, 0.05);
 }
@@ -55,7 +55,7 @@ LimbBend bend_limb(const Eigen::Vector3d& start, const Eigen::Vector3d& end,
                    const Eigen::Vector3d& pole, double upper, double lower, int fold) {
   const Eigen::Vector3d towards = end - start;
   const Eigen::Vector3d direction = towards.normalized();
-  const double reach = soft_limit(towards.norm(), 0.995 * (upper + lower));
+  const double reach = soft_limit(towards.norm(), 0.999 * (upper + lower));
   const double shortest = std::max(reach, 1.02 * std::abs(upper - lower) + 0.02);
   const double cosine =
       (upper * upper + shortest * shortest - lower * lower) / (2.0 * upper * shortest);

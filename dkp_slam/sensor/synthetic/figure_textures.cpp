@@ -29,16 +29,22 @@ class Shading {
   }
 
   void stroke(const cv::Point2d& from, const cv::Point2d& to, double width, double depth) {
-    cv::Mat layer = cv::Mat::zeros(field_.size(), CV_32F);
-    // Both copies across the seam.
-    for (const int shift : {-1, 0, 1}) {
-      const cv::Point2d by(shift * field_.cols, 0);
-      cv::line(layer, from + by, to + by, cv::Scalar(depth), std::max(cvRound(width), 1),
-               cv::LINE_8);
-    }
     const double sigma = 0.6 * width;
-    cv::GaussianBlur(layer, layer, cv::Size(), sigma, sigma, cv::BORDER_REPLICATE);
-    field_ += layer;
+    const int margin = cvRound(0.5 * width + 3.0 * sigma) + 2;
+    for (const int shift : {-1, 0, 1}) {  // both copies across the seam
+      const cv::Point2d by(shift * field_.cols, 0);
+      const cv::Rect bounds = cv::Rect(cv::Rect2d(from + by, to + by));
+      const cv::Rect around(bounds.x - margin, bounds.y - margin, bounds.width + 2 * margin,
+                            bounds.height + 2 * margin);
+      const cv::Rect box = around & cv::Rect(cv::Point(), field_.size());
+      if (box.empty()) continue;
+      cv::Mat layer = cv::Mat::zeros(around.size(), CV_32F);
+      const cv::Point2d origin = around.tl();
+      cv::line(layer, from + by - origin, to + by - origin, cv::Scalar(depth),
+               std::max(cvRound(width), 1), cv::LINE_8);
+      cv::GaussianBlur(layer, layer, cv::Size(), sigma, sigma, cv::BORDER_REPLICATE);
+      field_(box) += layer(box - around.tl());
+    }
   }
 
   void put_on(cv::Mat& image) const {
@@ -81,7 +87,7 @@ cv::Mat cloth(cv::RNG& rng, cv::Size size, const FigureLook& look, int repeats) 
       band(false, y + cell * 7 / 10, std::max(cell / 12, 1), 0.8);
     }
   }
-  add_octaves(rng, &image, 5.0, {4, 4});
+  add_wrapped_octaves(rng, &image, 5.0, {4, 4});
   return image;
 }
 
@@ -200,7 +206,7 @@ cv::Mat paint_sleeves(cv::RNG& rng, const FigureLook& look) {
 /// Trousers' cloth: denim is woven of blue and white threads.
 cv::Mat denim(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
   cv::Mat image(size, CV_8UC3, colour);
-  add_octaves(rng, &image, 6.0, {6, 6});
+  add_wrapped_octaves(rng, &image, 6.0, {6, 6});
   return image;
 }
 
@@ -272,6 +278,22 @@ std::shared_ptr<const Texture> wrapped(const cv::Mat& image) {
 }
 
 }  // namespace
+
+void add_wrapped_octaves(cv::RNG& rng, cv::Mat* image, double amplitude, cv::Size coarsest_cells) {
+  cv::Mat noise(image->size(), CV_8UC3, cv::Scalar::all(128)), mirrored, mixed;
+  add_octaves(rng, &noise, amplitude, coarsest_cells);
+  // Towards the right edge it becomes its mirror image, which ends as the left edge starts.
+  cv::flip(noise, mirrored, 1);
+  const int first = noise.cols * 3 / 4;
+  for (int x = first; x < noise.cols; ++x) {
+    const double share = static_cast<double>(x - first) / (noise.cols - first);
+    cv::addWeighted(noise.col(x), 1.0 - share, mirrored.col(x), share, 0.0, mixed);
+    mixed.copyTo(noise.col(x));
+  }
+  cv::Mat sum;
+  cv::add(*image, noise, sum, cv::noArray(), CV_16S);
+  sum.convertTo(*image, CV_8U, 1.0, -128.0);
+}
 
 FigureTextures paint_figure(const FigureLook& look) {
   cv::RNG rng(look.texture_seed);
