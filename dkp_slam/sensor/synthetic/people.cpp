@@ -134,8 +134,8 @@ void two_walk(std::uint64_t seed, Scenario& scenario) {
   const FigureOptions walker = with_period(
       seated(left_seat,
              {sit(left_seat, 1.5, Gesture::talk), walk(-0.70, 0.75), walk(1.20, 0.55),
-              stand(2.2, 1.2, Gesture::talk), walk(1.85, 0.90), walk(1.85, 2.85), walk(-0.45, 2.85),
-              stand(0.5 * pi, 1.5, Gesture::point), walk(1.85, 2.85), walk(1.85, 0.80),
+              stand(2.2, 1.2, Gesture::talk), walk(1.68, 0.90), walk(1.68, 2.85), walk(-0.45, 2.85),
+              stand(0.5 * pi, 1.5, Gesture::point), walk(1.68, 2.85), walk(1.68, 0.80),
               walk(0.10, 0.30), walk(-0.70, 0.75), sit(left_seat, 3.0, Gesture::talk)}),
       period);
   add_person(scenario, seed, 1, walker);
@@ -183,9 +183,9 @@ void crowd(std::uint64_t seed, Scenario& scenario) {
       seated(left_seat, {sit(left_seat, 5.0, Gesture::talk), sit(left_seat, 4.0, Gesture::point)}));
   add_person(
       scenario, seed, 2,
-      seated(right_seat, {sit(right_seat, 2.0, Gesture::phone), walk(0.95, 0.75), walk(1.85, 0.80),
-                          walk(1.85, 2.85), walk(-0.40, 2.85), stand(0.5 * pi, 2.0, Gesture::point),
-                          walk(1.85, 2.85), walk(1.85, 0.80), walk(0.95, 0.75),
+      seated(right_seat, {sit(right_seat, 2.0, Gesture::phone), walk(0.95, 0.75), walk(1.68, 0.80),
+                          walk(1.68, 2.85), walk(-0.40, 2.85), stand(0.5 * pi, 2.0, Gesture::point),
+                          walk(1.68, 2.85), walk(1.68, 0.80), walk(0.95, 0.75),
                           sit(right_seat, 3.0, Gesture::talk)}));
   // Three lanes: nobody leaves his own.
   add_person(scenario, seed, 3,
@@ -198,7 +198,7 @@ void crowd(std::uint64_t seed, Scenario& scenario) {
   near.walking_speed = 1.3;
   add_person(scenario, seed, 4, near);
   add_person(scenario, seed, 5,
-             standing({-1.45, 1.85}, -0.9,
+             standing({-1.60, 1.80}, -0.9,
                       {stand(-0.9, 4.0, Gesture::talk), stand(-0.4, 3.0, Gesture::phone)}));
 }
 
@@ -222,7 +222,7 @@ void close_up(std::uint64_t seed, Scenario& scenario) {
     const auto visiting = [&](const Vector2d& place) {
       FigureOptions visit = options;
       for (const Activity& a :
-           {walk(-1.0, lane), stand(-1.0, 0.3), walk(place), stand(-0.5 * pi, 4.0, Gesture::talk),
+           {walk(-1.0, lane), stand(-1.0, 0.3), walk(place), stand(-0.5 * pi, 4.0, Gesture::phone),
             walk(0.9, 0.3), walk(door), stand(pi, 1.5, Gesture::phone)}) {
         visit.activities.push_back(a);
       }
@@ -232,7 +232,7 @@ void close_up(std::uint64_t seed, Scenario& scenario) {
     Vector2d place(0.0, -0.4);
     for (int round = 0; round < 2; ++round) {
       const Stay stay = stay_at(places_of(visiting(place)), place, from);
-      place = before_camera(stay.arrives - 0.8, stay.leaves + 0.8, 0.45);
+      place = before_camera(stay.arrives - 0.8, stay.leaves + 0.8, 0.42);
     }
     options = visiting(place);
     const PlaceOverTime places = places_of(options);
@@ -272,7 +272,7 @@ void moved_furniture(std::uint64_t seed, Scenario& scenario) {
             "chair");
 
   const Stay at_drawer = stay_at(places, before_drawer);
-  const double opens = at_drawer.arrives + 0.9, closes = at_drawer.leaves + 8.0;
+  const double opens = at_drawer.arrives + 0.9, closes = at_drawer.leaves + 7.0;
   add_thing(scenario, cabinet_drawer(rng, 2), [=](double time) {
     const double out = 0.36 * (eased(time, opens, opens + 1.1) - eased(time, closes, closes + 0.8));
     return cabinet * upright({0.0, -out}, 0.0);
