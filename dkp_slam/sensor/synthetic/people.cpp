@@ -272,7 +272,7 @@ void moved_furniture(std::uint64_t seed, Scenario& scenario) {
             "chair");
 
   const Stay at_drawer = stay_at(places, before_drawer);
-  const double opens = at_drawer.arrives + 0.9, closes = at_drawer.leaves + 7.0;
+  const double opens = at_drawer.arrives + 0.9, closes = at_drawer.leaves + 11.5;
   add_thing(scenario, cabinet_drawer(rng, 2), [=](double time) {
     const double out = 0.36 * (eased(time, opens, opens + 1.1) - eased(time, closes, closes + 0.8));
     return cabinet * upright({0.0, -out}, 0.0);

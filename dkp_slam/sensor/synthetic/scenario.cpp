@@ -14,7 +14,7 @@ namespace {
 
 constexpr double frame_rate = 30.0;
 constexpr std::size_t usual_frames = 600;
-constexpr std::size_t frames_of_moved_furniture = 960;  // until all has moved
+constexpr std::size_t frames_of_moved_furniture = 1110;  // until all has moved
 constexpr double after_the_loop = 3.0;  // seconds: what was seen first is seen again
 
 struct Recipe {

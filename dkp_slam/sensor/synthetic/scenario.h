@@ -35,7 +35,7 @@ const std::vector<ScenarioName>& scenario_names();
 /// the seed changes colours, prints, people's looks and pace, and the camera's path.
 Scenario make_scenario(const std::string& name, std::uint64_t seed);
 
-/// Frames that a sequence of this scenario should have, 30 a second: 600; of moved_furniture 960;
+/// Frames that a sequence of this scenario should have, 30 a second: 600; of moved_furniture 1110;
 /// of flat_loop as many as bring the camera around the flat and three seconds on.
 std::size_t default_frames(const std::string& name);
 

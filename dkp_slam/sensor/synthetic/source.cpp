@@ -74,8 +74,6 @@ SyntheticSource::SyntheticSource(const SyntheticOptions& options) : options_(opt
   scenario_ = make_scenario(options_.scenario, options_.seed);
   if (recorded) scenario_.camera = recorded->motion;
   plan_frames(recorded ? std::optional(recorded->duration) : std::nullopt);
-  renderer_ =
-      std::make_unique<const Renderer>(scenario_.place, scenario_.actors, scenario_.brightness);
   SensorOptions sensor;
   sensor.noise = options_.kinect_noise;
   sensor_.emplace(sensor, options_.seed);
@@ -121,6 +119,11 @@ Se3 SyntheticSource::world_from_camera(double timestamp) const {
 
 std::optional<RgbdFrame> SyntheticSource::read() {
   if (next_ >= options_.frames) return std::nullopt;
+  if (!renderer_) {
+    // To light the rooms takes seconds: not for those who only want to know the path.
+    renderer_ =
+        std::make_unique<const Renderer>(scenario_.place, scenario_.actors, scenario_.brightness);
+  }
   RgbdFrame frame;
   frame.index = static_cast<int>(next_);
   frame.timestamp = timestamp(next_);
