@@ -157,7 +157,7 @@ TEST(Scenario, SomebodyComesCloseUp) {
                                 .norm();
     if (distance < 0.7) close += 0.1;
   }
-  EXPECT_GT(close, 3.0);
+  EXPECT_GT(close, 2.5);
 }
 
 TEST(Scenario, PeopleDoWhatTheNamesSay) {
