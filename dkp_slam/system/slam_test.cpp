@@ -177,7 +177,7 @@ std::unique_ptr<Detector> motion_detector(const Camera& camera) {
 }
 
 TEST(SyntheticSlam, StaticRoom) {
-  const Recording room("static_xyz", 60);
+  const Recording room("static_room", 60);
   for (const DynamicsMode mode : {DynamicsMode::off, DynamicsMode::dkp_plus}) {
     const Outcome outcome = run(room.play(), nullptr, room.camera, mode);
     EXPECT_EQ(outcome.lost(), std::vector<int>());
@@ -228,7 +228,7 @@ TEST(SyntheticSlam, GoesOnWithoutADetectorThatFails) {
 }
 
 TEST(SyntheticSlam, FindsItsPlaceAgainAfterTheLensWasCovered) {
-  const Recording room("static_xyz", 80);
+  const Recording room("static_room", 80);
   const Outcome outcome = run(std::make_unique<TappedSource>(room.play(), cover(30, 60)), nullptr,
                               room.camera, DynamicsMode::dkp_plus);
   std::vector<int> covered(30);

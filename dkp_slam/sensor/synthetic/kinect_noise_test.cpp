@@ -49,6 +49,21 @@ TEST(KinectNoise, OutOfRangeIsUnknown) {
   }
 }
 
+TEST(KinectNoise, SeesNothingNearAndEverLessFarAway) {
+  const Camera camera = SyntheticOptions::default_camera();
+  const auto seen = [&](double z) {
+    cv::RNG rng(5);
+    const cv::Mat depth = kinect_depth(cv::Mat(240, 320, CV_32FC1, cv::Scalar(z)), camera, rng);
+    return cv::countNonZero(depth) / static_cast<double>(depth.total());
+  };
+  EXPECT_EQ(seen(0.35), 0.0);
+  EXPECT_EQ(seen(0.45), 1.0);
+  EXPECT_EQ(seen(4.4), 1.0);
+  EXPECT_NEAR(seen(6.0), 0.5, 0.06);
+  EXPECT_LT(seen(7.0), 0.2);
+  EXPECT_EQ(seen(7.6), 0.0);
+}
+
 TEST(KinectNoise, ImageNoiseHasTheGivenSize) {
   cv::Mat image(200, 200, CV_8UC3, cv::Scalar(100, 120, 140));
   cv::RNG rng(5);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,15 +17,31 @@ class Texture {
   explicit Texture(const cv::Mat& bgr, bool wrap = false);
 
   /// BGR, 0 to 255, at `uv` (0 to 1 over the image); `du` and `dv` are the changes of uv from one
-  /// pixel of the camera to the next, right and down.
+  /// pixel of the camera to the next, right and down. More taps than 6 only matter on floors seen
+  /// at a few degrees.
+  cv::Vec3f sample(const Eigen::Vector2f& uv, const Eigen::Vector2f& du, const Eigen::Vector2f& dv,
+                   int most_taps = 6) const;
   cv::Vec3f sample(const Eigen::Vector2d& uv, const Eigen::Vector2d& du,
-                   const Eigen::Vector2d& dv) const;
+                   const Eigen::Vector2d& dv) const {
+    return sample(uv.cast<float>().eval(), du.cast<float>().eval(), dv.cast<float>().eval());
+  }
+  /// Of the whole image, BGR, 0 to 255.
+  cv::Vec3f mean() const;
 
  private:
-  cv::Vec3f bilinear(int level, const Eigen::Vector2d& uv) const;
+  struct Level {
+    int width, height;
+    std::vector<std::uint32_t> texels;  ///< row by row; blue, green, red from the lowest byte on
+  };
+  /// Four numbers that the processor handles at once (GCC's and Clang's vector extension).
+  using Float4 = float __attribute__((vector_size(16)));
+  Float4 bilinear(const Level& level, const Eigen::Vector2f& uv) const;
 
-  std::vector<cv::Mat> levels_;
+  std::vector<Level> levels_;
   bool wrap_;
 };
+
+/// Linear light, 0 to 1, of a grey level, 0 to 255, in sRGB (IEC 61966-2-1).
+float linear_light(float level);
 
 }  // namespace dkp_slam

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <future>
+#include <string>
+#include <vector>
+
+#include "dkp_slam/geometry/stamped_pose.h"
+#include "dkp_slam/sensor/synthetic/source.h"
+
+namespace dkp_slam::apps {
+
+/// Writes synthetic frames as a folder in the TUM benchmark's format with all that is true of them:
+/// rgb/, depth/, mask/ and instances/ (PNG), rgb.txt, depth.txt, associations.txt, groundtruth.txt,
+/// detections.txt, camera.yaml. Images are written by several threads, several frames at once.
+class SequenceWriter {
+ public:
+  /// Into `out`, which must be there; writes camera.yaml and makes the image folders.
+  SequenceWriter(std::filesystem::path out, const Camera& camera);
+
+  /// Everything this writes, folders and files, as names in `out`.
+  static const std::vector<std::string>& names();
+
+  /// Throws `Error` when an image, of this frame or one before, cannot be written.
+  void add(const RgbdFrame& frame, const SyntheticTruth& truth);
+  /// Waits for the images and writes the lists: of the frames added, and the true path at 100 Hz
+  /// and at every frame's moment, from the first frame to the last.
+  void finish(const SyntheticSource& source);
+
+ private:
+  void wait_for(std::size_t images_left);
+
+  std::filesystem::path out_;
+  double depth_scale_;
+  std::string rgb_, depth_, associations_, detections_;
+  std::vector<double> stamps_;
+  std::deque<std::future<void>> writing_;
+};
+
+}  // namespace dkp_slam::apps

@@ -1,0 +1,88 @@
+#include "dkp_slam/sensor/synthetic/shading.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dkp_slam {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3f;
+
+// Slopes beyond this only make the footprint at silhouettes grow without bound.
+constexpr float flattest_view = 0.03F;
+
+}  // namespace
+
+HitPlane hit_plane(const EmbreeScene& scene, const SurfaceHit& hit, const Ray& ray) {
+  const Surface& surface = scene.surface(hit.surface);
+  const Mesh& mesh = *surface.mesh;
+  const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(hit.triangle)];
+  const auto corner = [&](const auto& of, int i) -> const auto& {
+    return of[static_cast<std::size_t>(t[i])];
+  };
+  const std::vector<Vector3f>& vertices = surface.pose().vertices;
+  const Vector3f a = corner(vertices, 1) - corner(vertices, 0);
+  const Vector3f b = corner(vertices, 2) - corner(vertices, 0);
+  const Vector3f cross = a.cross(b);
+  const float inverse = 1.0F / std::max(cross.squaredNorm(), 1e-20F);
+  const Vector3f along_a = b.cross(cross) * inverse, along_b = cross.cross(a) * inverse;
+  const Vector2f uv_a = corner(mesh.uv, 1) - corner(mesh.uv, 0);
+  const Vector2f uv_b = corner(mesh.uv, 2) - corner(mesh.uv, 0);
+  HitPlane plane;
+  plane.point = ray.origin + hit.distance * ray.direction;
+  plane.normal = cross * std::sqrt(inverse);
+  plane.uv = corner(mesh.uv, 0) + hit.u * uv_a + hit.v * uv_b;
+  plane.gradient_u = uv_a.x() * along_a + uv_b.x() * along_b;
+  plane.gradient_v = uv_a.y() * along_a + uv_b.y() * along_b;
+  if (surface.instance != 0) {
+    const float w = 1.0F - hit.u - hit.v;
+    const auto at = [&](const std::vector<Vector3f>& of) {
+      return Vector3f(w * corner(of, 0) + hit.u * corner(of, 1) + hit.v * corner(of, 2));
+    };
+    plane.travel = at(surface.last) - at(surface.first);
+  }
+  return plane;
+}
+
+Footprint footprint(const HitPlane& plane, const Ray& ray, const Vector3f& right,
+                    const Vector3f& down, const Vector2f& motion) {
+  const float distance =
+      (plane.point - ray.origin).dot(ray.direction) / ray.direction.squaredNorm();
+  float slope = plane.normal.dot(ray.direction);
+  if (std::abs(slope) < flattest_view) slope = slope < 0.0F ? -flattest_view : flattest_view;
+  const auto on_texture = [&](const Vector3f& change) {
+    const Vector3f step = distance * (change - ray.direction * (plane.normal.dot(change) / slope));
+    return Vector2f(plane.gradient_u.dot(step), plane.gradient_v.dot(step));
+  };
+  Footprint result;
+  result.right = on_texture(right);
+  result.down = on_texture(down);
+  // A surface that moves to the right passes its left parts by the pixel; the sign does not matter.
+  result.motion = motion.x() * result.right + motion.y() * result.down;
+  return result;
+}
+
+cv::Vec3f Shading::colour(const SurfaceHit& hit, const Vector2f& uv, const Footprint& footprint,
+                          int taps, int taps_each, const PixelLight& pixel) const {
+  const Surface& surface = scene_.surface(hit.surface);
+  const Mesh& mesh = *surface.mesh;
+  cv::Vec3f print(0.0F, 0.0F, 0.0F);
+  for (int i = 0; i < taps; ++i) {
+    const float along = (static_cast<float>(i) + 0.5F) / static_cast<float>(taps) - 0.5F;
+    const cv::Vec3f level = mesh.texture->sample(uv + along * footprint.motion, footprint.right,
+                                                 footprint.down, taps_each);
+    for (int c = 0; c < 3; ++c) print[c] += linear_light(level[c]);
+  }
+  const Light light = surface.instance == 0 ? still_.at(hit) : moving_.at(hit);
+  const float lost = surface.instance == 0 ? pixel.lost : 0.0F;
+  const float own = mesh.glow * (mesh.is_lamp ? pixel.lamps : 1.0F);
+  constexpr float deepest = 0.2F;  // shadow: walls and ceiling send light into it
+  for (int c = 0; c < 3; ++c) {
+    const float lamps = std::max(light[c] - lost, deepest * light[c]);
+    print[c] *= (pixel.lamps * lamps + light[3] + own) / static_cast<float>(taps);
+  }
+  return print;
+}
+
+}  // namespace dkp_slam

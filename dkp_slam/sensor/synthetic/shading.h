@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/sensor/synthetic/actor_light.h"
+#include "dkp_slam/sensor/synthetic/embree_scene.h"
+#include "dkp_slam/sensor/synthetic/light_map.h"
+
+namespace dkp_slam {
+
+/// The plane of a hit triangle, and how its texture lies on it.
+struct HitPlane {
+  Eigen::Vector3f point;   ///< metres, world frame
+  Eigen::Vector3f normal;  ///< unit length, either side
+  Eigen::Vector2f uv;
+  Eigen::Vector3f gradient_u, gradient_v;  ///< change of u and v per metre along the plane
+  Eigen::Vector3f travel = Eigen::Vector3f::Zero();  ///< of the point, from first to last light
+};
+
+HitPlane hit_plane(const EmbreeScene& scene, const SurfaceHit& hit, const Ray& ray);
+
+/// What lies under a pixel: changes of uv to the pixel on the right, to the one below, and over
+/// the exposure.
+struct Footprint {
+  Eigen::Vector2f right, down, motion;
+};
+
+/// `right` and `down` are the changes of the ray's direction to the neighbouring pixels, in the
+/// world frame; `motion` is the way of the surface in the image over the exposure, pixels.
+Footprint footprint(const HitPlane& plane, const Ray& ray, const Eigen::Vector3f& right,
+                    const Eigen::Vector3f& down, const Eigen::Vector2f& motion);
+
+/// What is special about the light at one pixel.
+struct PixelLight {
+  float lamps = 1.0F;  ///< their brightness at its time
+  float lost = 0.0F;   ///< of their direct light, to actors that stand in the way
+};
+
+/// Lights and textures of a scene at one time.
+class Shading {
+ public:
+  Shading(const EmbreeScene& scene, const LightMap& still, const ActorLight& moving)
+      : scene_(scene), still_(still), moving_(moving) {}
+
+  /// Linear radiance, BGR, averaged over the way of `motion` in `taps` steps, each of them filtered
+  /// with up to `taps_each` across the view.
+  cv::Vec3f colour(const SurfaceHit& hit, const Eigen::Vector2f& uv, const Footprint& footprint,
+                   int taps, int taps_each, const PixelLight& pixel) const;
+
+ private:
+  const EmbreeScene& scene_;
+  const LightMap& still_;
+  const ActorLight& moving_;
+};
+
+}  // namespace dkp_slam
