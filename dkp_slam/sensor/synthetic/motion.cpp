@@ -153,7 +153,7 @@ double from_rest(double time) {
   return time < 1.0 ? 0.5 * time * time : time - 0.5;
 }
 
-CameraMotion hand_motion(SyntheticMotion motion, std::uint64_t seed, const Standpoint& at) {
+CameraPath hand_motion(SyntheticMotion motion, std::uint64_t seed, const Standpoint& at) {
   const Waves waves(recording_of(motion), seed);
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(at.heading, Vector3d::UnitZ()));
   if (motion != SyntheticMotion::halfsphere) {

@@ -12,7 +12,7 @@
 namespace dkp_slam {
 
 /// Pose world_from_camera at a time, seconds from 0. Smooth, and the same at every call.
-using CameraMotion = std::function<Se3(double time)>;
+using CameraPath = std::function<Se3(double time)>;
 
 /// Camera motions after those of the TUM benchmark's freiburg3 sequences.
 enum class SyntheticMotion {
@@ -40,18 +40,18 @@ double from_rest(double time);
 
 /// A hand-held camera before the desk. Speeds and frequencies are those of the recordings; the seed
 /// changes everything else. It starts at rest and picks up speed within a second.
-CameraMotion hand_motion(SyntheticMotion motion, std::uint64_t seed, const Standpoint& at = {});
+CameraPath hand_motion(SyntheticMotion motion, std::uint64_t seed, const Standpoint& at = {});
 
 /// Somebody walks along a closed line of way points (x, y; metres), over and over, looks ahead, and
 /// holds the camera before his chest, which sways with his steps. Corners are rounded.
-CameraMotion walking_motion(const std::vector<Eigen::Vector2d>& way_points, std::uint64_t seed);
+CameraPath walking_motion(const std::vector<Eigen::Vector2d>& way_points, std::uint64_t seed);
 /// Length of the rounded line, metres.
 double walking_length(const std::vector<Eigen::Vector2d>& way_points);
 constexpr double camera_walking_speed = 0.6;  ///< metres per second
 
 /// A recorded path, made smooth.
 struct RecordedMotion {
-  CameraMotion motion;
+  CameraPath motion;
   double duration = 0.0;  ///< seconds
 };
 

@@ -38,7 +38,7 @@ Behaviour behaviour(SyntheticMotion motion) {
   Behaviour b;
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const CameraMotion pose = hand_motion(motion, seed);
+    const CameraPath pose = hand_motion(motion, seed);
     for (double t = 1.0; t < 120.0; t += step, ++count) {
       const Se3 here = pose(t), move = here.inverse() * pose(t + step);
       b.speed += move.translation.norm() / step;
@@ -110,7 +110,7 @@ TEST(HandMotion, StartsAtRestAndIsSmooth) {
   for (const SyntheticMotion motion :
        {SyntheticMotion::xyz, SyntheticMotion::slow_xyz, SyntheticMotion::rpy,
         SyntheticMotion::halfsphere, SyntheticMotion::still}) {
-    const CameraMotion pose = hand_motion(motion, 4);
+    const CameraPath pose = hand_motion(motion, 4);
     const Vector6d first = (pose(0.0).inverse() * pose(0.002)).log() / 0.002;
     EXPECT_LT(first.norm(), 0.004);
     EXPECT_EQ(pose(-1.0).translation, pose(0.0).translation);
@@ -137,7 +137,7 @@ TEST(HandMotion, SeedsDiffer) {
 TEST(HandMotion, FollowsItsStandpoint) {
   for (const SyntheticMotion motion : {SyntheticMotion::xyz, SyntheticMotion::halfsphere}) {
     Standpoint at;
-    const CameraMotion here = hand_motion(motion, 1, at);
+    const CameraPath here = hand_motion(motion, 1, at);
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.0, Vector3d::UnitZ()));
     at.position = turn * at.position + Vector3d(1.0, 2.0, 0.0);
     at.heading = 1.0;
@@ -177,7 +177,7 @@ TEST(WalkingMotion, GoesAroundAtItsPaceNearItsWayPoints) {
   const double length = walking_length(square);
   EXPECT_GT(length, 15.5);
   EXPECT_LT(length, 18.0);
-  const CameraMotion pose = walking_motion(square, 1);
+  const CameraPath pose = walking_motion(square, 1);
   double way = 0.0, highest_turning = 0.0;
   constexpr double step = 0.1;
   for (double t = 0.0; t < 60.0; t += step) {
@@ -210,7 +210,7 @@ Trajectory captured(double seconds, double rate, double jitter) {
   Trajectory poses;
   const Se3 elsewhere(Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3d::UnitZ())),
                       Vector3d(30.0, -8.0, 0.7));
-  const CameraMotion hand = hand_motion(SyntheticMotion::xyz, 12);
+  const CameraPath hand = hand_motion(SyntheticMotion::xyz, 12);
   for (int i = 0; i <= seconds * rate; ++i) {
     Vector6d noise;
     for (int k = 0; k < 6; ++k) noise[k] = rng.gaussian(jitter);
@@ -224,7 +224,7 @@ Trajectory captured(double seconds, double rate, double jitter) {
 /// Largest distances (metres, radians) of a recorded motion from the hand's own, both relative to
 /// their first second's end: the placement does not count.
 std::pair<double, double> deviation(const RecordedMotion& motion) {
-  const CameraMotion hand = hand_motion(SyntheticMotion::xyz, 12);
+  const CameraPath hand = hand_motion(SyntheticMotion::xyz, 12);
   double distance = 0.0, angle = 0.0;
   const Se3 start = motion.motion(5.0), true_start = hand(5.0);
   for (double t = 0.2; t < motion.duration - 0.2; t += 0.013) {
@@ -259,7 +259,7 @@ TEST(RecordedMotion, SmoothsTheJitterOfMotionCapture) {
   EXPECT_LT(distance, 0.006);
   EXPECT_LT(angle, 0.006);
   const RecordedMotion motion = recorded_motion(captured(20.0, 100.0, jitter), "path");
-  const CameraMotion hand = hand_motion(SyntheticMotion::xyz, 12);
+  const CameraPath hand = hand_motion(SyntheticMotion::xyz, 12);
   double turning = 0.0, true_turning = 0.0;
   for (double t = 1.0; t < 19.0; t += 0.05) {
     turning += (motion.motion(t).inverse() * motion.motion(t + 1.0 / 30.0)).angle();

@@ -18,7 +18,7 @@ struct Scenario {
   Place place;
   std::vector<std::shared_ptr<const Actor>> actors;  ///< all that moves at any time
   LampBrightness brightness;                         ///< null: the lamps stay on
-  CameraMotion camera;
+  CameraPath camera;
   bool drops_frames = false;
 };
 

@@ -113,7 +113,7 @@ TEST(Scenario, PeopleDoNotWalkThroughThings) {
   }
 }
 
-void expect_clear(const Scenario& scenario, const CameraMotion& camera) {
+void expect_clear(const Scenario& scenario, const CameraPath& camera) {
   for (const Figure* figure : figures_of(scenario)) {
     for (double time = 0.0; time < minute; time += 0.1) {
       ASSERT_GT((place_of(*figure, time) - camera(time).translation.head<2>()).norm(), 0.38)
@@ -140,7 +140,7 @@ TEST(Scenario, PeopleKeepClearOfTheCamera) {
 }
 
 TEST(Scenario, TheCameraIsCarriedThroughTheFlatsDoors) {
-  const CameraMotion camera = scenario_of("flat_loop").camera;
+  const CameraPath camera = scenario_of("flat_loop").camera;
   for (double time = 0.0; time < minute; time += 0.1) {
     const Vector2d here = camera(time).translation.head<2>();
     ASSERT_GT(obstacles(true).distance(here), 0.20)

@@ -104,7 +104,7 @@ Se3 carried(const Loop& loop, double way) {
 
 double walking_length(const std::vector<Vector2d>& way_points) { return Loop(way_points).length(); }
 
-CameraMotion walking_motion(const std::vector<Vector2d>& way_points, std::uint64_t seed) {
+CameraPath walking_motion(const std::vector<Vector2d>& way_points, std::uint64_t seed) {
   const Loop loop(way_points);
   // A whole number of knots goes around, so the speed is a little off the named one.
   const auto knots =
@@ -115,8 +115,7 @@ CameraMotion walking_motion(const std::vector<Vector2d>& way_points, std::uint64
   }
   const auto spline = std::make_shared<const PoseSpline>(std::move(path), knot_interval, true);
   // The hands' own trembling; its mean is at rest.
-  const CameraMotion hands =
-      hand_motion(SyntheticMotion::still, seed, {Vector3d::Zero(), 0.0, 0.0});
+  const CameraPath hands = hand_motion(SyntheticMotion::still, seed, {Vector3d::Zero(), 0.0, 0.0});
   const Se3 level = Se3(camera_view(0.0, 0.0, 0.0), Vector3d::Zero()).inverse();
   return [=](double time) {
     const double t = from_rest(time);
