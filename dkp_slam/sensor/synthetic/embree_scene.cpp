@@ -14,8 +14,9 @@
 namespace dkp_slam {
 namespace {
 
-// Limbs swing by less than a millimetre off a straight line in this time.
-constexpr double longest_step = 0.01;  // seconds
+// Limbs swing by a millimetre at most off a straight line in this time.
+constexpr double longest_step = 0.02;  // seconds
+constexpr int middle_step = -1;        // the pose in the middle of the time
 
 void copy_vertices(const std::vector<Eigen::Vector3f>& vertices, RTCGeometry geometry, int step) {
   void* buffer =
@@ -158,23 +159,20 @@ void EmbreeScene::set_pose(std::size_t surface, int step, MeshPose pose) {
       pose.normals.size() != pose.vertices.size()) {
     throw Error("synthetic actor: a pose has another number of vertices than its mesh");
   }
-  const int steps = trees_->time_steps;
   const std::size_t geometry = surface - still_.size();
-  if (steps > 1) copy_vertices(pose.vertices, trees_->moving_geometries[geometry], step);
-  if (step == 0) s.first = pose.vertices;
-  if (step == steps - 1) s.last = pose.vertices;
-  if (step == steps / 2) {
+  if (step == middle_step) {
     copy_vertices(pose.vertices, trees_->frozen_geometries[geometry], 0);
     s.middle = std::move(pose);
+    return;
   }
+  copy_vertices(pose.vertices, trees_->moving_geometries[geometry], step);
+  if (step == 0) s.first = pose.vertices;
+  if (step == trees_->time_steps - 1) s.last = std::move(pose.vertices);
 }
 
 void EmbreeScene::pose_actors(double begin, double end) {
-  // An odd number of steps: one of them is the middle, where the depth is measured.
   const double span = end - begin;
-  const int steps =
-      span > 0.0 ? 1 + 2 * std::max(1, static_cast<int>(std::ceil(span / (2.0 * longest_step))))
-                 : 1;
+  const int steps = span > 0.0 ? 1 + static_cast<int>(std::ceil(span / longest_step)) : 1;
   attach_actor_meshes(steps);
   std::vector<std::size_t> first_surface;
   std::size_t next = still_.size();
@@ -182,15 +180,22 @@ void EmbreeScene::pose_actors(double begin, double end) {
     first_surface.push_back(next);
     next += actor->meshes().size();
   }
+  const auto pose_actor = [&](std::size_t a, int step, double time) {
+    std::vector<MeshPose> poses = actors_[a]->at(time);
+    for (std::size_t m = 0; m < poses.size(); ++m) {
+      set_pose(first_surface[a] + m, step, std::move(poses[m]));
+    }
+  };
   cv::parallel_for_({0, static_cast<int>(actors_.size())}, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       const auto a = static_cast<std::size_t>(i);
-      for (int step = 0; step < steps; ++step) {
-        std::vector<MeshPose> poses =
-            actors_[a]->at(steps > 1 ? begin + span * step / (steps - 1) : begin);
-        for (std::size_t m = 0; m < poses.size(); ++m) {
-          set_pose(first_surface[a] + m, step, std::move(poses[m]));
-        }
+      pose_actor(a, middle_step, begin + 0.5 * span);
+      for (int step = 0; steps > 1 && step < steps; ++step) {
+        pose_actor(a, step, begin + span * step / (steps - 1));
+      }
+      for (std::size_t s = first_surface[a]; steps == 1 && s < surfaces_.size(); ++s) {
+        if (surfaces_[s].instance != i + 1) break;
+        surfaces_[s].first = surfaces_[s].last = surfaces_[s].middle.vertices;
       }
     }
   });

@@ -88,6 +88,7 @@ void FramePainter::frame_actors() {
   // Between the moments looked at the camera may sway, and lenses bend.
   const float margin = camera_.distortion.none() ? 12.0F : 0.1F * static_cast<float>(camera_.width);
   for (const Box& box : boxes) {
+    if (box.isEmpty()) continue;
     Vector2f low = Vector2f::Constant(1e9F), high = -low;
     bool around = false;
     for (const CameraPlace* place :
