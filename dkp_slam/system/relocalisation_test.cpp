@@ -136,7 +136,7 @@ class SyntheticRelocalisation : public ::testing::Test {
     Trajectory truth;
     Camera camera;
     Recording() {
-      SyntheticOptions options = synthetic_scenario("static_xyz");
+      SyntheticOptions options = synthetic_scenario("static_room");
       options.frames = 60;
       camera = options.camera;
       SyntheticSource world(options);
