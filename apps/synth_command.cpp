@@ -151,7 +151,8 @@ void add_synth_command(CLI::App& program) {
       ->capture_default_str();
   command
       ->add_option("--frames", arguments->frames,
-                   "Frames, 30 a second [600; of flat_loop once around; of a trajectory all]")
+                   "Frames, 30 a second [600; as many as moved_furniture and flat_loop take; of a "
+                   "trajectory all]")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1000000}));
   command->add_option("--trajectory", arguments->trajectory,
                       "Camera path (TUM format, z up) instead of the scenario's own; it is put "

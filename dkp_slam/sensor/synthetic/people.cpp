@@ -303,11 +303,11 @@ void lights(std::uint64_t seed, Scenario& scenario) {
 }
 
 void somebody_in_the_flat(std::uint64_t seed, Scenario& scenario) {
-  // In the living room, beside the camera's way, to the window and back.
+  // In the living room; when the camera comes in, he walks past it from the window.
   add_person(scenario, seed, 1,
-             standing({5.75, 6.9}, 0.5 * pi,
-                      {walk(5.75, 4.35), stand(-0.5 * pi, 1.5, Gesture::phone), walk(5.75, 6.9),
-                       stand(0.5 * pi, 2.0, Gesture::point)}));
+             standing({5.75, 6.9}, 0.2 * pi,
+                      {stand(0.2 * pi, 13.0, Gesture::phone), walk(5.75, 4.35),
+                       stand(-0.5 * pi, 4.0, Gesture::point), walk(5.75, 6.9)}));
 }
 
 }  // namespace dkp_slam
