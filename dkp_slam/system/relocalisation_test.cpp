@@ -13,9 +13,9 @@
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
-#include "dkp_slam/sensor/synthetic/source.h"
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/system/slam.h"
+#include "dkp_slam/system/test_recording.h"
 
 namespace dkp_slam {
 namespace {
@@ -131,41 +131,9 @@ Outcome run(const SplicedSource::Opener& open, const std::vector<Segment>& segme
 /// A static room, rendered once for all tests.
 class SyntheticRelocalisation : public ::testing::Test {
  protected:
-  struct Recording {
-    std::vector<RgbdFrame> frames;
-    Trajectory truth;
-    Camera camera;
-    Recording() {
-      SyntheticOptions options = synthetic_scenario("static_room");
-      options.frames = 60;
-      camera = options.camera;
-      SyntheticSource world(options);
-      while (auto frame = world.read()) {
-        truth.push_back({frame->timestamp, world.truth().world_from_camera});
-        frames.push_back(std::move(*frame));
-      }
-    }
-  };
-  class Player : public RgbdSource {
-   public:
-    Player(const std::vector<RgbdFrame>& frames, int first)
-        : frames_(frames), next_(static_cast<std::size_t>(first)) {}
-    std::string description() const override { return "recorded"; }
-    std::optional<std::size_t> size() const override { return frames_.size(); }
-    std::size_t skipped() const override { return 0; }
-    std::optional<RgbdFrame> read() override {
-      if (next_ == frames_.size()) return std::nullopt;
-      return frames_[next_++];
-    }
-
-   private:
-    const std::vector<RgbdFrame>& frames_;
-    std::size_t next_;
-  };
-
   static Outcome play(const std::vector<Segment>& segments) {
-    static const Recording room;
-    return run([](int first) { return std::make_unique<Player>(room.frames, first); }, segments,
+    static const testing::Recording room("static_room", 60);
+    return run([](int first) { return room.play(static_cast<std::size_t>(first)); }, segments,
                room.camera, room.truth);
   }
 };
