@@ -79,6 +79,13 @@ bool in_image(const Camera& camera, const Eigen::Vector2d& p) {
 
 }  // namespace
 
+void assign_landmarks(const std::vector<FrameMatch>& matches, Frame& frame) {
+  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  for (const FrameMatch& m : matches) {
+    frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
+  }
+}
+
 std::vector<FrameMatch> match_last_frame(const Map& map, const Frame& last, const Frame& frame,
                                          float radius, const MatchOptions& options) {
   const Camera& camera = map.camera();

@@ -23,6 +23,9 @@ struct FrameMatch {
   int distance = 0;          ///< of the descriptors
 };
 
+/// Gives the frame's features the landmarks of the matches, and no others.
+void assign_landmarks(const std::vector<FrameMatch>& matches, Frame& frame);
+
 /// Matches the last frame's landmarks, and its points with depth that are no landmarks yet, to the
 /// current frame, where they should appear under `frame.camera_from_world`; `radius` is in pixels
 /// on level 0. Matches that turn against the majority's rotation are dropped.

@@ -37,12 +37,6 @@ bool align(const Map& map, const MeasurementModel& model, std::uint64_t seed,
   return refine_pose(map, model, frame, matches) >= least_aligned;
 }
 
-void assign(const std::vector<FrameMatch>& matches, Frame& frame) {
-  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
-  for (const FrameMatch& m : matches)
-    frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
-}
-
 /// Landmarks of the keyframes around one that the frame does not have yet.
 std::vector<int> further_landmarks(const Map& map, int keyframe, const Frame& frame) {
   std::vector<int> ids = map.best_covisible(keyframe, 10);
@@ -62,7 +56,7 @@ int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uin
   std::vector<FrameMatch> matches = match_keyframe(map, map.keyframe(keyframe), frame);
   if (matches.size() < least_matches) return 0;
   if (!align(map, model, seed, matches, frame)) return 0;
-  assign(matches, frame);
+  assign_landmarks(matches, frame);
   const std::vector<int> others = further_landmarks(map, keyframe, frame);
   for (const FrameMatch& m :
        match_visible(map, frame, landmarks_in_view(map, frame, others), 3.0F)) {
@@ -70,7 +64,7 @@ int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uin
   }
   const int inliers = refine_pose(map, model, frame, matches);
   if (inliers < least_inliers) return 0;
-  assign(matches, frame);
+  assign_landmarks(matches, frame);
   frame.reference_keyframe = keyframe;
   return inliers;
 }

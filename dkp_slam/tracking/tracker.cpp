@@ -9,16 +9,6 @@
 #include "dkp_slam/tracking/relocalizer.h"
 
 namespace dkp_slam {
-namespace {
-
-void assign(Frame& frame, const std::vector<FrameMatch>& matches) {
-  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
-  for (const FrameMatch& m : matches)
-    frame.landmark[static_cast<std::size_t>(m.feature)] = m.landmark;
-}
-
-}  // namespace
-
 Tracker::Tracker(Map& map, const PlaceIndex& places, Mapper& mapper, const MeasurementModel& model,
                  const TrackerOptions& options)
     : map_(map), places_(places), mapper_(mapper), model_(model), options_(options) {}
@@ -111,7 +101,7 @@ bool Tracker::track_by_motion(Frame& frame) {
         match_last_frame(map_, last_, frame, widen * options_.motion_radius);
     if (static_cast<int>(matches.size()) < options_.least_from_motion) continue;
     if (refine_pose(map_, model_, frame, matches) < options_.least_from_motion / 2) continue;
-    assign(frame, matches);
+    assign_landmarks(matches, frame);
     return true;
   }
   return false;
@@ -146,7 +136,7 @@ bool Tracker::track_reference_keyframe(Frame& frame) {
       match_keyframe(map_, map_.keyframe(frame.reference_keyframe), frame);
   if (matches.size() < 15) return false;
   if (refine_pose(map_, model_, frame, matches) < 10) return false;
-  assign(frame, matches);
+  assign_landmarks(matches, frame);
   return true;
 }
 
@@ -204,7 +194,7 @@ bool Tracker::track_local_map(Frame& frame) {
   tracked_landmarks_ = refine_pose(map_, model_, frame, matches);
   if (tracked_landmarks_ < options_.least_inliers) return false;
   for (const FrameMatch& m : matches) ++map_.landmark(m.landmark).found;
-  assign(frame, matches);
+  assign_landmarks(matches, frame);
   weigh_evidence(frame, all_matches);
   return true;
 }
