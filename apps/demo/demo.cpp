@@ -30,16 +30,6 @@ constexpr int sample_frames = 4;
 constexpr int candidates_per_sample = 6;
 constexpr auto look_interval = std::chrono::milliseconds(250);
 
-/// The last line of a log that says something.
-std::string last_line(const fs::path& log) {
-  std::ifstream in(log);
-  std::string line, last = "no message";
-  while (std::getline(in, line)) {
-    if (!line.empty()) last = line;
-  }
-  return last;
-}
-
 /// How far a step is by its log: 30 for "run: 30 of 300, 512 landmarks".
 std::optional<std::size_t> steps_done(const fs::path& log) {
   std::istringstream line(last_line(log));

@@ -73,15 +73,6 @@ nlohmann::json read_json(const fs::path& path) {
   return json;
 }
 
-std::string last_line(const fs::path& log) {
-  std::ifstream in(log);
-  std::string line, last = "no message";
-  while (std::getline(in, line)) {
-    if (!line.empty()) last = line;
-  }
-  return last;
-}
-
 std::optional<RelativeError> step_error(const Trajectory& truth, const Trajectory& estimate,
                                         StepUnit unit) {
   try {

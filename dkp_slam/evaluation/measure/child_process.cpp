@@ -5,6 +5,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <thread>
 
 #include <fcntl.h>
@@ -89,6 +90,15 @@ ProcessResult run_process(const std::vector<std::string>& command, const std::fi
     result.others_share = std::clamp(others / (result.wall_s * cores), 0.0, 1.0);
   }
   return result;
+}
+
+std::string last_line(const std::filesystem::path& log) {
+  std::ifstream in(log);
+  std::string line, last = "no message";
+  while (std::getline(in, line)) {
+    if (!line.empty()) last = line;
+  }
+  return last;
 }
 
 }  // namespace dkp_slam

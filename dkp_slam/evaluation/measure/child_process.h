@@ -24,4 +24,7 @@ ProcessResult run_process(
     const std::vector<std::string>& command, const std::filesystem::path& log,
     const std::function<bool()>& stop = [] { return false; });
 
+/// The last line of a child's log that says something.
+std::string last_line(const std::filesystem::path& log);
+
 }  // namespace dkp_slam
