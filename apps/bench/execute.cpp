@@ -57,14 +57,10 @@ std::vector<std::string> command_of(const BenchSetup& setup, const BenchJob& job
 
 /// The program's own word on why it failed, without its name in front and the folder behind, which
 /// nobody will find later.
-std::string last_line(const fs::path& log, const fs::path& out) {
+std::string failure_reason(const fs::path& log, const fs::path& out) {
   constexpr std::string_view name = "dkp-slam: ";
   const std::string folder = fmt::format(" ({} holds what there is)", out.string());
-  std::ifstream in(log);
-  std::string line, last = "no message";
-  while (std::getline(in, line)) {
-    if (!line.empty()) last = line;
-  }
+  std::string last = last_line(log);
   if (last.starts_with(name)) last.erase(0, name.size());
   if (last.ends_with(folder)) last.resize(last.size() - folder.size());
   return last;
@@ -172,9 +168,10 @@ std::optional<RunRecord> execute(const BenchSetup& setup, const BenchJob& job,
   record.others_share = result.others_share;
   try {
     if (result.exit_code != 0) {
-      throw Error(result.exit_code > first_signal_code
-                      ? fmt::format("ended by signal {}", result.exit_code - first_signal_code)
-                      : fmt::format("exit code {}: {}", result.exit_code, last_line(log, attempt)));
+      throw Error(
+          result.exit_code > first_signal_code
+              ? fmt::format("ended by signal {}", result.exit_code - first_signal_code)
+              : fmt::format("exit code {}: {}", result.exit_code, failure_reason(log, attempt)));
     }
     read_output(job, attempt, record);
   } catch (const std::exception& error) {
