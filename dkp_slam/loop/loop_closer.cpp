@@ -92,8 +92,8 @@ void LoopCloser::correct(Map& map) const {
   const std::vector<Se3> poses = optimize_pose_graph(essential_graph(map, node), options_.graph);
   // A landmark moves with the first keyframe that sees it.
   for (int l = 0; l < map.landmark_ids(); ++l) {
+    if (!map.has_landmark(l)) continue;
     Landmark& landmark = map.landmark(l);
-    if (landmark.removed) continue;
     const int k = landmark.sightings.front().keyframe;
     const Se3& corrected = poses[static_cast<std::size_t>(node[static_cast<std::size_t>(k)])];
     landmark.position =
@@ -104,7 +104,7 @@ void LoopCloser::correct(Map& map) const {
     if (n >= 0) map.keyframe(k).camera_from_world = poses[static_cast<std::size_t>(n)];
   }
   for (int l = 0; l < map.landmark_ids(); ++l) {
-    if (!map.landmark(l).removed) map.refresh(l);
+    if (map.has_landmark(l)) map.refresh(l);
   }
 }
 

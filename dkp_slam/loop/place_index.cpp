@@ -105,7 +105,7 @@ void PlaceIndex::tidy(const Map& map) {
   for (std::size_t i = 0; i < count; ++i) {
     if (next_to_tidy_ >= entries_.size()) next_to_tidy_ = 0;
     const std::int32_t landmark = entries_[next_to_tidy_++].landmark;
-    if (landmark == none || !map.landmark(landmark).removed) continue;
+    if (landmark == none || map.has_landmark(landmark)) continue;
     // What it was fused into looks like it too.
     const int heir = map.resolve(landmark);
     std::int32_t e = first_entry_[static_cast<std::size_t>(landmark)];

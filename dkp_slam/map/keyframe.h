@@ -11,6 +11,7 @@ namespace dkp_slam {
 /// A frame that the map keeps: its static features, their landmarks, and its neighbours.
 struct Keyframe {
   int id = -1;
+  int map = 0;  ///< to which of the maps it belongs, see Map
   int frame_index = -1;
   double timestamp = 0.0;  ///< seconds
   Se3 camera_from_world;

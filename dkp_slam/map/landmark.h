@@ -28,8 +28,6 @@ struct Landmark {
   int found = 1;                    ///< frames that matched it
   /// Running log-odds of being dynamic; see LandmarkBelief.
   float dynamic_log_odds = 0.0F;
-  int replaced_by = -1;  ///< the landmark it was fused into
-  bool removed = false;
 
   /// Feature index by which a keyframe sees it, -1 if it does not.
   int feature_in(int keyframe) const {

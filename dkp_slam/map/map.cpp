@@ -17,8 +17,37 @@ Map::Map(const Camera& camera, float level_scale, int levels)
   for (int i = 0; i < levels; ++i, scale *= level_scale) scales_.push_back(scale);
 }
 
+int Map::start_map() {
+  current_map_ = maps_++;
+  return current_map_;
+}
+
+std::vector<int> Map::keyframes_in(int map) const {
+  std::vector<int> ids;
+  for (const Keyframe& k : keyframes_) {
+    if (k.map == map && !k.removed) ids.push_back(k.id);
+  }
+  return ids;
+}
+
+void Map::move_map(int from, int into, const Se3& into_from_from) {
+  const Se3 from_from_into = into_from_from.inverse();
+  const std::vector<int> moved = keyframes_in(from);
+  for (const int l : landmarks_of(moved)) {
+    landmark(l).position = into_from_from * landmark(l).position;
+    landmark(l).normal = into_from_from.rotation * landmark(l).normal;
+  }
+  for (Keyframe& k : keyframes_) {
+    if (k.map != from) continue;
+    k.map = into;
+    if (!k.removed) k.camera_from_world = k.camera_from_world * from_from_into;
+  }
+  if (current_map_ == from) current_map_ = into;
+}
+
 int Map::add_keyframe(Keyframe keyframe) {
   keyframe.id = keyframe_ids();
+  keyframe.map = current_map_;
   keyframes_.push_back(std::move(keyframe));
   ++live_keyframes_;
   Keyframe& added = keyframes_.back();
@@ -32,15 +61,15 @@ int Map::add_keyframe(Keyframe keyframe) {
 }
 
 int Map::add_landmark(const Eigen::Vector3d& position, int keyframe_id, int feature) {
-  Landmark added;
-  added.id = landmark_ids();
-  added.position = position;
-  added.first_keyframe = keyframe_id;
-  landmarks_.push_back(added);
+  const int id = landmark_ids();
+  landmarks_.emplace_back(std::make_unique<Landmark>());
+  landmark(id).id = id;
+  landmark(id).position = position;
+  landmark(id).first_keyframe = keyframe_id;
   ++live_landmarks_;
-  add_sighting(added.id, keyframe_id, feature);
-  refresh(added.id);
-  return added.id;
+  add_sighting(id, keyframe_id, feature);
+  refresh(id);
+  return id;
 }
 
 void Map::add_sighting(int landmark_id, int keyframe_id, int feature) {
@@ -63,14 +92,11 @@ void Map::remove_sighting(int landmark_id, int keyframe_id) {
 }
 
 void Map::remove_landmark(int landmark_id) {
-  Landmark& l = landmark(landmark_id);
-  if (l.removed) return;
-  for (const Sighting& s : l.sightings) {
+  if (!has_landmark(landmark_id)) return;
+  for (const Sighting& s : landmark(landmark_id).sightings) {
     keyframe(s.keyframe).landmarks[static_cast<std::size_t>(s.feature)] = -1;
   }
-  l.sightings.clear();
-  l.sightings.shrink_to_fit();
-  l.removed = true;
+  landmarks_[static_cast<std::size_t>(landmark_id)].now.reset();
   --live_landmarks_;
 }
 
@@ -82,7 +108,7 @@ void Map::fuse_landmarks(int dropped, int kept) {
   target.visible += landmark(dropped).visible;
   target.dynamic_log_odds = std::max(target.dynamic_log_odds, landmark(dropped).dynamic_log_odds);
   remove_landmark(dropped);
-  landmark(dropped).replaced_by = kept;
+  landmarks_[static_cast<std::size_t>(dropped)].replaced_by = kept;
   for (const Sighting& s : moved) {
     if (target.feature_in(s.keyframe) < 0) add_sighting(kept, s.keyframe, s.feature);
   }
@@ -105,7 +131,7 @@ void Map::remove_keyframe(int keyframe_id) {
 }
 
 int Map::resolve(int id) const {
-  while (id >= 0 && landmark(id).removed) id = landmark(id).replaced_by;
+  while (id >= 0 && !has_landmark(id)) id = landmarks_[static_cast<std::size_t>(id)].replaced_by;
   return id;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <vector>
 
 #include "dkp_slam/geometry/camera.h"
@@ -11,6 +12,12 @@ namespace dkp_slam {
 
 /// Keyframes, landmarks and who sees what.
 ///
+/// It may hold several maps (an atlas; Campos et al. 2021, "ORB-SLAM3", section VI): where the
+/// camera was lost for too long, another one begins, in a world frame of its own, until a known
+/// place tells how the two lie to one another. Ids run through all of them, so that joining two
+/// maps moves one and renames nothing. No landmark is seen from two maps, no covisibility leads
+/// across.
+///
 /// Locking rule: a map belongs to the tracking thread, and no other thread ever holds a reference
 /// into it. Bundle adjustment works on a snapshot (BundleProblem) and its result is carried back by
 /// the tracking thread; so there is nothing to lock, and the order of changes never varies.
@@ -20,14 +27,30 @@ class Map {
 
   Keyframe& keyframe(int id) { return keyframes_[static_cast<std::size_t>(id)]; }
   const Keyframe& keyframe(int id) const { return keyframes_[static_cast<std::size_t>(id)]; }
-  Landmark& landmark(int id) { return landmarks_[static_cast<std::size_t>(id)]; }
-  const Landmark& landmark(int id) const { return landmarks_[static_cast<std::size_t>(id)]; }
+  /// Only while `has_landmark`: of a removed one nothing is kept but its number.
+  Landmark& landmark(int id) { return *landmarks_[static_cast<std::size_t>(id)].now; }
+  const Landmark& landmark(int id) const { return *landmarks_[static_cast<std::size_t>(id)].now; }
+  bool has_landmark(int id) const {
+    return landmarks_[static_cast<std::size_t>(id)].now != nullptr;
+  }
 
   /// Ids of all keyframes run from 0 to this; removed ones among them.
   int keyframe_ids() const { return static_cast<int>(keyframes_.size()); }
   int landmark_ids() const { return static_cast<int>(landmarks_.size()); }
   int live_keyframes() const { return live_keyframes_; }
   int live_landmarks() const { return live_landmarks_; }
+
+  /// Maps begun so far, those joined to others among them; new keyframes go to the last.
+  int maps() const { return maps_; }
+  /// The map that new keyframes belong to.
+  int current_map() const { return current_map_; }
+  void set_current_map(int map) { current_map_ = map; }
+  /// Begins another map and makes it the current one.
+  int start_map();
+  /// The keyframes of a map that have not been removed, ascending.
+  std::vector<int> keyframes_in(int map) const;
+  /// Joins map `from` to map `into`: moves its keyframes and landmarks there.
+  void move_map(int from, int into, const Se3& into_from_from);
 
   /// Takes the keyframe's features and landmark ids, and enters the sightings.
   int add_keyframe(Keyframe keyframe);
@@ -65,13 +88,28 @@ class Map {
   int levels() const { return static_cast<int>(scales_.size()); }
 
  private:
+  struct LandmarkSlot {
+    std::unique_ptr<Landmark> now;  // null once removed
+    int replaced_by = -1;           // the landmark it was fused into
+
+    explicit LandmarkSlot(std::unique_ptr<Landmark> landmark) : now(std::move(landmark)) {}
+    LandmarkSlot(LandmarkSlot&&) = default;
+    LandmarkSlot& operator=(LandmarkSlot&&) = default;
+    LandmarkSlot(const LandmarkSlot& other)
+        : now(other.now ? std::make_unique<Landmark>(*other.now) : nullptr),
+          replaced_by(other.replaced_by) {}
+    LandmarkSlot& operator=(const LandmarkSlot& other) { return *this = LandmarkSlot(other); }
+  };
+
   Camera camera_;
   std::vector<float> scales_;
   float log_scale_;
   std::deque<Keyframe> keyframes_;
-  std::deque<Landmark> landmarks_;
+  std::vector<LandmarkSlot> landmarks_;
   int live_keyframes_ = 0;
   int live_landmarks_ = 0;
+  int maps_ = 1;
+  int current_map_ = 0;
 };
 
 }  // namespace dkp_slam

@@ -55,6 +55,29 @@ TEST_F(MapOfThree, RemovingALandmarkFreesItsFeatures) {
   EXPECT_EQ(map.resolve(5), -1);
 }
 
+TEST_F(MapOfThree, AMapBegunLaterIsApartUntilItIsMoved) {
+  EXPECT_EQ(map.start_map(), 1);
+  const int k = map.add_keyframe(keyframe_at(5.0, 60));
+  const int l = map.add_landmark({5.0, 0.0, 2.0}, k, 7);
+  map.update_covisibility(k);
+  EXPECT_EQ(map.keyframe(k).map, 1);
+  EXPECT_TRUE(map.keyframe(k).covisible.empty());
+  EXPECT_EQ(map.keyframes_in(0), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(map.keyframes_in(1), std::vector<int>{k});
+
+  // The second map's world lies 1 m to the left of the first one's.
+  const Eigen::Vector3d seen = map.keyframe(k).camera_from_world * map.landmark(l).position;
+  map.move_map(1, 0, Se3(Eigen::Quaterniond::Identity(), {-1.0, 0.0, 0.0}));
+  EXPECT_EQ(map.current_map(), 0);
+  EXPECT_TRUE(map.keyframes_in(1).empty());
+  EXPECT_EQ(map.keyframe(k).map, 0);
+  EXPECT_NEAR(map.landmark(l).position.x(), 4.0, 1e-12);
+  EXPECT_NEAR(map.keyframe_pose(k).inverse().translation.x(), 4.0, 1e-12);
+  const Eigen::Vector3d still = map.keyframe(k).camera_from_world * map.landmark(l).position;
+  EXPECT_NEAR((still - seen).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(map.landmark(0).position.x(), 0.0, 1e-12);  // the first map stayed
+}
+
 TEST_F(MapOfThree, FusingMovesSightingsAndLeavesAForwardingAddress) {
   map.fuse_landmarks(45, 46);
   EXPECT_EQ(map.resolve(45), 46);
@@ -76,7 +99,7 @@ TEST_F(MapOfThree, ARemovedKeyframeKeepsItsPlaceBesideItsParent) {
 
 TEST_F(MapOfThree, LosingTheLastSightingRemovesTheLandmark) {
   map.remove_sighting(42, 2);
-  EXPECT_TRUE(map.landmark(42).removed);
+  EXPECT_FALSE(map.has_landmark(42));
 }
 
 TEST_F(MapOfThree, PredictedLevelFollowsTheDistance) {

@@ -44,8 +44,9 @@ void fuse_into(Map& map, const MeasurementModel& model, const std::vector<int>& 
                int keyframe) {
   std::vector<int> candidates;
   for (const int id : landmarks) {
+    if (!map.has_landmark(id)) continue;
     const Landmark& landmark = map.landmark(id);
-    if (landmark.removed || landmark.feature_in(keyframe) >= 0) continue;
+    if (landmark.feature_in(keyframe) >= 0) continue;
     const int feature = find_in(map, model, landmark, map.keyframe(keyframe), candidates);
     if (feature < 0) continue;
     const int present = map.keyframe(keyframe).landmarks[static_cast<std::size_t>(feature)];

@@ -84,7 +84,7 @@ void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& 
     }
   }
   for (const auto& p : solution.points) {
-    if (!map.landmark(p.landmark).removed) map.landmark(p.landmark).position = p.position;
+    if (map.has_landmark(p.landmark)) map.landmark(p.landmark).position = p.position;
   }
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
     if (!solution.outlier[i]) continue;
@@ -92,12 +92,12 @@ void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& 
         problem.points[static_cast<std::size_t>(problem.sightings[i].point)].landmark;
     const int keyframe =
         problem.poses[static_cast<std::size_t>(problem.sightings[i].pose)].keyframe;
-    if (!map.landmark(landmark).removed && !map.keyframe(keyframe).removed) {
+    if (map.has_landmark(landmark) && !map.keyframe(keyframe).removed) {
       map.remove_sighting(landmark, keyframe);
     }
   }
   for (const auto& p : solution.points) {
-    if (!map.landmark(p.landmark).removed) map.refresh(p.landmark);
+    if (map.has_landmark(p.landmark)) map.refresh(p.landmark);
   }
 }
 

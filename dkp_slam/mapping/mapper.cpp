@@ -75,8 +75,8 @@ void Mapper::cull_landmarks(int newest) {
   // A landmark must be found in a quarter of the frames that should see it, and after two more
   // keyframes be seen by two, to stay (Mur-Artal et al. 2015, §VI-B).
   std::erase_if(recent_landmarks_, [&](int id) {
+    if (!map_.has_landmark(id)) return true;
     const Landmark& l = map_.landmark(id);
-    if (l.removed) return true;
     const int age = newest - l.first_keyframe;
     if (4 * l.found < l.visible || (age >= 2 && l.sightings.size() < 2)) {
       map_.remove_landmark(id);
