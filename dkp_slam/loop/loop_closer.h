@@ -25,16 +25,18 @@ struct LoopCloserOptions {
   std::uint64_t seed = 1;
 };
 
-/// A loop that was closed.
+/// A loop that was closed, or a place where two maps met.
 struct ClosedLoop {
   int keyframe = -1, old_keyframe = -1;
   int matches = 0;     ///< landmarks of the old place found in the new keyframe
-  double moved = 0.0;  ///< metres by which the new keyframe was put right
+  double moved = 0.0;  ///< metres by which the new keyframe was put right; 0 where maps met
+  bool joined_maps = false;
 };
 
-/// Closes loops (Mur-Artal et al. 2015, section VII, with a scale that is known): detection,
-/// alignment of the new keyframe to the landmarks of the old place, pose graph over the essential
-/// graph, correction of the landmarks, and fusion of those that are the same.
+/// Closes loops and joins maps (Mur-Artal et al. 2015, section VII, with a scale that is known):
+/// detection, alignment of the new keyframe to the landmarks of the old place, pose graph over the
+/// essential graph, correction of the landmarks, and fusion of those that are the same. Where the
+/// old place lies in another map, that map and this one become one instead, as they are.
 ///
 /// Works on the map itself and so belongs to the tracking thread.
 class LoopCloser {
@@ -55,10 +57,11 @@ class LoopCloser {
     Se3 to_from_from;
   };
 
-  /// `node_of_keyframe`: index into the graph's nodes by keyframe, -1 for removed ones.
-  PoseGraph essential_graph(const Map& map, std::vector<int>& node_of_keyframe) const;
-  void correct(Map& map) const;
-  void fuse(Map& map, const MeasurementModel& model, int keyframe, const Frame& matched) const;
+  void join(Map& map, ClosedLoop& loop, const Frame& seen) const;
+  void put_right(Map& map, ClosedLoop& loop, const Frame& seen);
+  /// `node_of_keyframe`: index into the graph's nodes by keyframe, -1 for those not in this map.
+  PoseGraph essential_graph(const Map& map, int which, std::vector<int>& node_of_keyframe) const;
+  void correct(Map& map, int which) const;
 
   const LoopCloserOptions options_;
   LoopDetector detector_;

@@ -18,7 +18,8 @@ Map::Map(const Camera& camera, float level_scale, int levels)
 }
 
 int Map::start_map() {
-  current_map_ = maps_++;
+  current_map_ = maps();
+  live_in_map_.push_back(0);
   return current_map_;
 }
 
@@ -42,6 +43,8 @@ void Map::move_map(int from, int into, const Se3& into_from_from) {
     k.map = into;
     if (!k.removed) k.camera_from_world = k.camera_from_world * from_from_into;
   }
+  live_in_map_[static_cast<std::size_t>(into)] += live_keyframes_in(from);
+  live_in_map_[static_cast<std::size_t>(from)] = 0;
   if (current_map_ == from) current_map_ = into;
 }
 
@@ -50,6 +53,7 @@ int Map::add_keyframe(Keyframe keyframe) {
   keyframe.map = current_map_;
   keyframes_.push_back(std::move(keyframe));
   ++live_keyframes_;
+  ++live_in_map_[static_cast<std::size_t>(current_map_)];
   Keyframe& added = keyframes_.back();
   for (std::size_t f = 0; f < added.landmarks.size(); ++f) {
     const int landmark_id = added.landmarks[f];
@@ -128,6 +132,7 @@ void Map::remove_keyframe(int keyframe_id) {
   k.landmarks = {};
   k.removed = true;
   --live_keyframes_;
+  --live_in_map_[static_cast<std::size_t>(k.map)];
 }
 
 int Map::resolve(int id) const {
@@ -184,14 +189,10 @@ void Map::refresh(int landmark_id) {
   Landmark& l = landmark(landmark_id);
   if (l.sightings.empty()) return;
   std::vector<Descriptor> all;
-  l.normal.setZero();
   for (const Sighting& s : l.sightings) {
-    const Keyframe& k = keyframe(s.keyframe);
-    all.push_back(k.features.descriptor[static_cast<std::size_t>(s.feature)]);
-    l.normal += (l.position - k.camera_from_world.inverse().translation).normalized();
+    const FrameFeatures& features = keyframe(s.keyframe).features;
+    all.push_back(features.descriptor[static_cast<std::size_t>(s.feature)]);
   }
-  l.normal.normalize();
-
   // The descriptor whose median distance to the others is least.
   int best_median = 257;
   std::vector<int> distances(all.size());
@@ -204,7 +205,18 @@ void Map::refresh(int landmark_id) {
       l.descriptor = candidate;
     }
   }
+  refresh_view(landmark_id);
+}
 
+void Map::refresh_view(int landmark_id) {
+  Landmark& l = landmark(landmark_id);
+  if (l.sightings.empty()) return;
+  l.normal.setZero();
+  for (const Sighting& s : l.sightings) {
+    const Se3& camera_from_world = keyframe(s.keyframe).camera_from_world;
+    l.normal += (l.position - camera_from_world.inverse().translation).normalized();
+  }
+  l.normal.normalize();
   // The first sighting's level and distance fix the range of scales.
   const Keyframe& k = keyframe(l.sightings.front().keyframe);
   const auto feature = static_cast<std::size_t>(l.sightings.front().feature);

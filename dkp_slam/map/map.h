@@ -38,10 +38,11 @@ class Map {
   int keyframe_ids() const { return static_cast<int>(keyframes_.size()); }
   int landmark_ids() const { return static_cast<int>(landmarks_.size()); }
   int live_keyframes() const { return live_keyframes_; }
+  int live_keyframes_in(int map) const { return live_in_map_[static_cast<std::size_t>(map)]; }
   int live_landmarks() const { return live_landmarks_; }
 
   /// Maps begun so far, those joined to others among them; new keyframes go to the last.
-  int maps() const { return maps_; }
+  int maps() const { return static_cast<int>(live_in_map_.size()); }
   /// The map that new keyframes belong to.
   int current_map() const { return current_map_; }
   void set_current_map(int map) { current_map_ = map; }
@@ -77,6 +78,8 @@ class Map {
 
   /// Most typical descriptor, mean direction and distance range, from the present sightings.
   void refresh(int landmark);
+  /// Of these only direction and range, which change when poses or the landmark move.
+  void refresh_view(int landmark);
   /// Pyramid level at which a landmark should appear from a distance, metres.
   int predicted_level(const Landmark& landmark, double distance) const;
 
@@ -108,7 +111,7 @@ class Map {
   std::vector<LandmarkSlot> landmarks_;
   int live_keyframes_ = 0;
   int live_landmarks_ = 0;
-  int maps_ = 1;
+  std::vector<int> live_in_map_ = {0};
   int current_map_ = 0;
 };
 

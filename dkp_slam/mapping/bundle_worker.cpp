@@ -42,6 +42,12 @@ BundleSolution BundleWorker::take() {
   return solution;
 }
 
+void BundleWorker::cancel() {
+  stop_ = true;
+  take();
+  stop_ = false;
+}
+
 void BundleWorker::work() {
   std::unique_lock lock(mutex_);
   while (true) {

@@ -27,6 +27,8 @@ class BundleWorker {
   bool finished() const;
   /// Waits for the solution.
   BundleSolution take();
+  /// Stops the solver, which takes one of its iterations at most, and drops what it has.
+  void cancel();
 
  private:
   void work();

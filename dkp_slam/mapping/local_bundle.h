@@ -15,11 +15,16 @@ struct LocalBundleOptions {
 BundleProblem local_bundle(const Map& map, const MeasurementModel& model, int keyframe,
                            const LocalBundleOptions& options);
 
-/// Snapshot of the whole map; the first keyframe stays.
-BundleProblem full_bundle(const Map& map, const MeasurementModel& model);
+/// Snapshot of all of one map; its first keyframe stays.
+BundleProblem full_bundle(const Map& map, const MeasurementModel& model, int which);
 
 /// Carries a solution back: poses, positions, and outlier sightings removed. Keyframes and
 /// landmarks that have gone since are passed over.
 void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution);
+
+/// The same for a whole map that has grown since the snapshot: keyframes that came later keep their
+/// place relative to their nearest ancestor in it, landmarks relative to the first keyframe that
+/// sees them (Mur-Artal and Tardos 2017, "ORB-SLAM2", section III-C).
+void apply_full_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution);
 
 }  // namespace dkp_slam

@@ -7,6 +7,14 @@
 #include "dkp_slam/mapping/landmark_fusion.h"
 
 namespace dkp_slam {
+namespace {
+
+FullAdjustmentOptions with_realtime(FullAdjustmentOptions options, bool realtime) {
+  options.realtime = realtime;
+  return options;
+}
+
+}  // namespace
 
 Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
                const MapperOptions& options)
@@ -15,6 +23,7 @@ Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
       model_(model),
       options_(options),
       loop_closer_(options.loops),
+      full_adjustment_(map.camera(), model, with_realtime(options.full, options.realtime)),
       worker_(map.camera(), model) {}
 
 void Mapper::insert_keyframe(Frame& frame) {
@@ -45,11 +54,18 @@ void Mapper::insert_keyframe(Frame& frame) {
   map_.update_covisibility(id);
   cull_keyframes(id);
   places_.add_keyframe(map_, id);
-  if (options_.close_loops && loop_closer_.close(map_, places_, model_, id))
+  if (options_.close_loops && loop_closer_.close(map_, places_, model_, id)) {
     frame.camera_from_world = map_.keyframe(id).camera_from_world;
-  if (map_.live_keyframes() < 2) return;
-  under_way_ = local_bundle(map_, model_, id, options_.local);
-  due_frame_ = frame.index + options_.bundle_delay;
+    full_adjustment_.start(map_, map_.current_map(), frame.index);
+  }
+  // Where maps were joined this one welds them: the keyframe's neighbours are of both now.
+  submit_local_bundle(id, frame.index);
+}
+
+void Mapper::submit_local_bundle(int keyframe, int frame_index) {
+  if (map_.live_keyframes_in(map_.current_map()) < 2) return;
+  under_way_ = local_bundle(map_, model_, keyframe, options_.local);
+  due_frame_ = frame_index + options_.bundle_delay;
   worker_.submit(under_way_, options_.bundle);
 }
 
@@ -108,8 +124,11 @@ void Mapper::cull_keyframes(int newest) {
 }
 
 void Mapper::advance(int frame_index) {
-  if (!worker_.pending()) return;
-  if (options_.realtime ? worker_.finished() : frame_index >= due_frame_) carry_back();
+  const bool full_is_due = full_adjustment_.due(frame_index);
+  if (worker_.pending() &&
+      (full_is_due || (options_.realtime ? worker_.finished() : frame_index >= due_frame_)))
+    carry_back();
+  if (full_is_due) full_adjustment_.carry_back(map_);
 }
 
 void Mapper::carry_back() {
@@ -118,12 +137,16 @@ void Mapper::carry_back() {
 }
 
 void Mapper::finish(bool full_adjustment) {
+  full_adjustment_.stop();
   if (worker_.pending()) carry_back();
-  if (!full_adjustment || map_.live_keyframes() < 2) return;
-  const BundleProblem problem = full_bundle(map_, model_);
+  if (!full_adjustment) return;
   BundleOptions options;
-  options.iterations = 20;
-  apply_bundle(map_, problem, adjust_bundle(map_.camera(), model_, problem, options));
+  options.iterations = options_.full.iterations;
+  for (int which = 0; which < map_.maps(); ++which) {
+    if (map_.live_keyframes_in(which) < 2) continue;
+    const BundleProblem problem = full_bundle(map_, model_, which);
+    apply_bundle(map_, problem, adjust_bundle(map_.camera(), model_, problem, options));
+  }
 }
 
 }  // namespace dkp_slam

@@ -7,6 +7,7 @@
 #include "dkp_slam/loop/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/mapping/bundle_worker.h"
+#include "dkp_slam/mapping/full_adjustment.h"
 #include "dkp_slam/mapping/local_bundle.h"
 #include "dkp_slam/tracking/frame.h"
 
@@ -24,10 +25,11 @@ struct MapperOptions {
   bool realtime = false;
   bool close_loops = true;
   LoopCloserOptions loops;
+  FullAdjustmentOptions full;  ///< `realtime` as above
 };
 
-/// Grows the map: keyframes, landmarks, fusion, culling, loops, and local bundle adjustment in its
-/// own thread. Called by the tracking thread alone.
+/// Grows the map: keyframes, landmarks, fusion, culling, loops, and bundle adjustment, local and of
+/// the whole, each in its own thread. Called by the tracking thread alone.
 class Mapper {
  public:
   Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model, const MapperOptions& options);
@@ -37,17 +39,20 @@ class Mapper {
   void insert_keyframe(Frame& frame);
   /// To be called once per frame, before it is tracked: carries back what is due.
   void advance(int frame_index);
-  /// True while a bundle adjustment has been submitted and not carried back.
+  /// True while a local bundle adjustment has been submitted and not carried back.
   bool adjusting() const { return worker_.pending(); }
   /// Loops closed so far.
   const std::vector<ClosedLoop>& loops() const { return loop_closer_.closed(); }
-  /// Waits for what is under way, then adjusts the whole map once more.
+  /// Loops and joins that the whole map has been adjusted after.
+  int full_adjustments() const { return full_adjustment_.done(); }
+  /// Ends what is under way, then adjusts every map as a whole once more, if wanted.
   void finish(bool full_adjustment);
 
  private:
   void create_landmarks(Frame& frame, int keyframe, const std::vector<int>& feature_of_frame);
   void cull_landmarks(int newest_keyframe);
   void cull_keyframes(int newest_keyframe);
+  void submit_local_bundle(int keyframe, int frame_index);
   void carry_back();
 
   Map& map_;
@@ -55,6 +60,7 @@ class Mapper {
   const MeasurementModel model_;
   const MapperOptions options_;
   LoopCloser loop_closer_;
+  FullAdjustment full_adjustment_;
   BundleWorker worker_;
   BundleProblem under_way_;
   int due_frame_ = 0;

@@ -190,14 +190,14 @@ TEST_F(Mapping, ASnapshotHoldsItsWindowAndFixesTheRest) {
   std::size_t sightings = 0;
   for (const auto& p : problem.points) sightings += map.landmark(p.landmark).sightings.size();
   EXPECT_EQ(problem.sightings.size(), sightings);
-  const BundleProblem whole = full_bundle(map, MeasurementModel());
+  const BundleProblem whole = full_bundle(map, MeasurementModel(), 0);
   EXPECT_EQ(whole.poses.size(), 4U);
   EXPECT_EQ(whole.points.size(), std::size_t(map.live_landmarks()));
 }
 
 TEST_F(Mapping, WhatWentMeanwhileIsPassedOver) {
   insert_two();
-  const BundleProblem problem = full_bundle(map, MeasurementModel());
+  const BundleProblem problem = full_bundle(map, MeasurementModel(), 0);
   BundleSolution solution{problem.poses, problem.points,
                           std::vector<char>(problem.sightings.size(), 0), true};
   for (auto& p : solution.points) p.position.z() += 1.0;
@@ -221,7 +221,7 @@ TEST_F(Mapping, WhatWentMeanwhileIsPassedOver) {
 TEST_F(Mapping, TheWorkerSolvesWhatASingleThreadSolves) {
   insert_two();
   map.keyframe(1).camera_from_world.translation.x() += 0.01;
-  const BundleProblem problem = full_bundle(map, MeasurementModel());
+  const BundleProblem problem = full_bundle(map, MeasurementModel(), 0);
   const BundleSolution expected = adjust_bundle(world.camera, MeasurementModel(), problem);
   BundleWorker worker(world.camera, MeasurementModel());
   for (int i = 0; i < 3; ++i) {

@@ -1,5 +1,7 @@
 #include "dkp_slam/system/slam.h"
 
+#include <algorithm>
+
 #include "dkp_slam/stopwatch.h"
 
 namespace dkp_slam {
@@ -68,20 +70,41 @@ FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_o
 
 void Slam::finish(bool hurry) { mapper_.finish(options_.final_adjustment && !hurry); }
 
-Trajectory Slam::trajectory() const {
-  Trajectory out;
+std::vector<int> Slam::maps_in_use() const {
+  std::vector<int> frames(static_cast<std::size_t>(map_.maps()), 0), used;
   for (const TrackedPose& p : tracker_.poses()) {
+    const int which = map_.keyframe(p.reference_keyframe).map;
+    if (frames[static_cast<std::size_t>(which)]++ == 0) used.push_back(which);
+  }
+  std::stable_sort(used.begin(), used.end(), [&](int a, int b) {
+    return frames[static_cast<std::size_t>(a)] > frames[static_cast<std::size_t>(b)];
+  });
+  return used;
+}
+
+std::vector<Trajectory> Slam::trajectories() const {
+  const std::vector<int> used = maps_in_use();
+  std::vector<Trajectory> paths(used.size());
+  for (const TrackedPose& p : tracker_.poses()) {
+    const int which = map_.keyframe(p.reference_keyframe).map;
+    const auto path = std::find(used.begin(), used.end(), which) - used.begin();
     const Se3 camera_from_world =
         p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe);
-    out.push_back({p.timestamp, camera_from_world.inverse()});
+    paths[static_cast<std::size_t>(path)].push_back({p.timestamp, camera_from_world.inverse()});
   }
-  return out;
+  return paths;
+}
+
+Trajectory Slam::trajectory() const {
+  const std::vector<Trajectory> paths = trajectories();
+  return paths.empty() ? Trajectory() : paths.front();
 }
 
 Trajectory Slam::keyframe_trajectory() const {
   Trajectory out;
-  for (int k = 0; k < map_.keyframe_ids(); ++k) {
-    if (map_.keyframe(k).removed) continue;
+  const std::vector<int> used = maps_in_use();
+  if (used.empty()) return out;
+  for (const int k : map_.keyframes_in(used.front())) {
     out.push_back({map_.keyframe(k).timestamp, map_.keyframe(k).camera_from_world.inverse()});
   }
   return out;

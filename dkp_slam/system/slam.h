@@ -57,15 +57,21 @@ class Slam {
   /// Ends the run: waits for the adjustment under way and does the final one. `hurry` skips that.
   void finish(bool hurry = false);
 
-  /// Poses of all localised frames, by time, with everything known so far.
+  /// Poses of all localised frames, by time, with everything known so far: one path per map that
+  /// any were localised in, each in its own world frame, the longest first.
+  std::vector<Trajectory> trajectories() const;
+  /// The longest of them.
   Trajectory trajectory() const;
-  /// Poses of the keyframes in the map.
+  /// Poses of the keyframes in the map of the longest path.
   Trajectory keyframe_trajectory() const;
 
   const Map& map() const { return map_; }
   const std::vector<ClosedLoop>& loops() const { return mapper_.loops(); }
 
  private:
+  /// Maps that frames were localised in, most frames first.
+  std::vector<int> maps_in_use() const;
+
   const SlamOptions options_;
   Map map_;
   PlaceIndex places_;  // follows the map's locking rule: the tracking thread's alone

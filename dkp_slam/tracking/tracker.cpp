@@ -19,31 +19,14 @@ bool Tracker::track(Frame& frame) {
   frame.landmark.assign(static_cast<std::size_t>(frame.features.size()), -1);
   tracked_landmarks_ = 0;
   if (state_ == TrackingState::not_initialized) return initialize(frame);
-
-  frame.reference_keyframe = last_.reference_keyframe;
-  bool found = false;
-  if (state_ == TrackingState::tracking) {
-    correct_shutter(frame, predicted_motion(frame));
-    found = track_by_motion(frame) || track_reference_keyframe(frame);
-    if (found) correct_shutter(frame, frame.camera_from_world * last_.camera_from_world.inverse());
-  }
-  found = found && track_local_map(frame);
-  if (!found && relocalize(map_, places_, model_, options_.seed, frame))
-    found = track_local_map(frame);
-  if (!found) found = carry_by_motion(frame);
-  if (!found) {
+  if (!localize(frame)) {
     if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);
     state_ = TrackingState::lost;
     motion_time_ = 0.0;
-    return false;
-  }
-
-  // Only well-founded poses tell how the camera moves: a poor one would be carried on for frames.
-  if (state_ == TrackingState::tracking && tracked_landmarks_ >= options_.least_for_motion) {
-    motion_ = frame.camera_from_world * last_.camera_from_world.inverse();
-    motion_time_ = frame.timestamp - last_.timestamp;
+    return start_another_map(frame);
   }
   state_ = TrackingState::tracking;
+  lost_since_.reset();
   if (tracked_landmarks_ > 0) map_time_ = frame.timestamp;
   if (tracked_landmarks_ > 0 && keyframe_is_due(frame)) {
     mapper_.insert_keyframe(frame);
@@ -53,14 +36,53 @@ bool Tracker::track(Frame& frame) {
   return true;
 }
 
-bool Tracker::initialize(Frame& frame) {
+bool Tracker::localize(Frame& frame) {
+  frame.reference_keyframe = last_.reference_keyframe;
+  bool found = false;
+  if (state_ == TrackingState::tracking) {
+    correct_shutter(frame, predicted_motion(frame));
+    found = track_by_motion(frame) || track_reference_keyframe(frame);
+    if (found) correct_shutter(frame, frame.camera_from_world * last_.camera_from_world.inverse());
+    found = found && track_local_map(frame);
+  }
+  if (!found && relocalize(map_, places_, model_, options_.seed, frame) && track_local_map(frame)) {
+    // The place may lie in another map, and the way there is no motion of the camera.
+    map_.set_current_map(map_.keyframe(frame.reference_keyframe).map);
+    motion_time_ = 0.0;
+    return true;
+  }
+  if (!found && !carry_by_motion(frame)) return false;
+  // Only well-founded poses tell how the camera moves: a poor one would be carried on for frames.
+  if (tracked_landmarks_ >= options_.least_for_motion) {
+    motion_ = frame.camera_from_world * last_.camera_from_world.inverse();
+    motion_time_ = frame.timestamp - last_.timestamp;
+  }
+  return true;
+}
+
+bool Tracker::start_another_map(Frame& frame) {
+  if (!lost_since_) lost_since_ = frame.timestamp;
+  const double lost = frame.timestamp - *lost_since_;
+  if (lost < options_.longest_loss || !can_start(frame)) return false;
+  spdlog::warn("frame {}: lost for {:.1f} s, another map is begun", frame.index, lost);
+  lost_since_.reset();
+  map_.start_map();
+  // Its world is placed so that the camera is where it was last seen: a guess, until maps meet.
+  frame.camera_from_world = last_.camera_from_world;
+  return initialize(frame);
+}
+
+bool Tracker::can_start(const Frame& frame) const {
   int with_depth = 0;
   for (int i = 0; i < frame.features.size(); ++i) {
     const auto s = static_cast<std::size_t>(i);
     with_depth += frame.is_static[s] && frame.features.depth[s] > 0.0F;
   }
-  if (with_depth < options_.least_to_start) return false;
-  frame.camera_from_world = Se3();
+  return with_depth >= options_.least_to_start;
+}
+
+bool Tracker::initialize(Frame& frame) {
+  if (!can_start(frame)) return false;
   mapper_.insert_keyframe(frame);
   keyframe_time_ = frame.timestamp;
   tracked_landmarks_ = frame.tracked_landmarks();
@@ -230,7 +252,7 @@ bool Tracker::keyframe_is_due(const Frame& frame) const {
     return true;
   const Keyframe& reference = map_.keyframe(frame.reference_keyframe);
   int reference_landmarks = 0;
-  const std::size_t least_sightings = map_.live_keyframes() <= 2 ? 1 : 2;
+  const std::size_t least_sightings = map_.live_keyframes_in(map_.current_map()) <= 2 ? 1 : 2;
   for (const int l : reference.landmarks) {
     reference_landmarks += l >= 0 && map_.landmark(l).sightings.size() >= least_sightings;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "dkp_slam/loop/place_index.h"
@@ -39,6 +40,9 @@ struct TrackerOptions {
   double longest_carry = 1.0;
   /// Constant velocity is assumed no longer than this since the map was last seen, seconds.
   double longest_steady = 0.15;
+  /// Another map is begun when no frame has been localised for this long, seconds. Sooner, and a
+  /// hand over the lens would leave pieces behind; later, and what lies between is never mapped.
+  double longest_loss = 1.0;
   int least_for_motion = 40;  ///< landmarks tracked in a frame whose motion is believed
   /// Bounds for a measured motion to be believed against constant velocity, m/s^2 and rad/s^2: a
   /// hand-held camera that is shaken stays under 20 and 60.
@@ -76,7 +80,10 @@ class Tracker {
   int tracked_landmarks() const { return tracked_landmarks_; }
 
  private:
+  bool can_start(const Frame& frame) const;
   bool initialize(Frame& frame);
+  bool localize(Frame& frame);
+  bool start_another_map(Frame& frame);
   bool track_by_motion(Frame& frame);
   bool track_reference_keyframe(Frame& frame);
   bool track_local_map(Frame& frame);
@@ -101,7 +108,8 @@ class Tracker {
   Se3 motion_;                ///< camera at the last frame from camera at the one before
   double motion_time_ = 0.0;  ///< seconds that motion took; 0 when unknown
   double keyframe_time_ = 0.0;
-  double map_time_ = 0.0;  ///< of the last frame that was localised in the map
+  double map_time_ = 0.0;             ///< of the last frame that was localised in the map
+  std::optional<double> lost_since_;  ///< timestamp of the first frame that was not localised
   int tracked_landmarks_ = 0;
   std::vector<TrackedPose> poses_;
 };
