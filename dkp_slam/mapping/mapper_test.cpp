@@ -258,5 +258,38 @@ TEST_F(Mapping, AKeyframeThatClosesALoopIsPutRight) {
   closing.finish(false);
 }
 
+TEST_F(Mapping, MapsThatMeetBecomeOneAndNothingIsLost) {
+  MapperOptions options;
+  options.loops.detector.consistent = 1;
+  Mapper joining(map, places, MeasurementModel(), options);
+  Frame before = tracked_at({}, 0);
+  joining.insert_keyframe(before);
+  // Lost, another map is begun in a world of its own: there the same place lies elsewhere.
+  map.start_map();
+  Frame after = tracked_at(pose(0.05, 0.0, 0.0), 1);
+  const Se3 truth = after.camera_from_world;
+  after.camera_from_world = pose(0.4, -0.3, 0.2, 0.7);
+  joining.insert_keyframe(after);
+  ASSERT_EQ(joining.loops().size(), 1U);
+  EXPECT_TRUE(joining.loops()[0].joined_maps);
+  EXPECT_EQ(map.current_map(), 0);
+  EXPECT_EQ(map.keyframes_in(0), (std::vector<int>{0, 1}));
+  EXPECT_EQ(map.live_keyframes_in(1), 0);
+  EXPECT_EQ(map.keyframe(1).parent, 0);
+  EXPECT_EQ(map.keyframe(0).camera_from_world.translation.norm(), 0.0);  // the older map stays
+  EXPECT_LT(pose_distance(after.camera_from_world, truth), 1e-4);
+  // What both saw is one now, and the rest of either is still there.
+  EXPECT_GT(map.keyframe(1).covisible.at(0), 200);
+  EXPECT_EQ(map.live_landmarks(), 300);
+  for (int p = 0; p < map.landmark_ids(); ++p) {
+    if (!map.has_landmark(p)) continue;
+    const auto nearest = [&](const Eigen::Vector3d& point) {
+      return (point - map.landmark(p).position).norm() < 1e-3;
+    };
+    EXPECT_TRUE(std::any_of(world.points.begin(), world.points.end(), nearest));
+  }
+  joining.finish(false);
+}
+
 }  // namespace
 }  // namespace dkp_slam
