@@ -99,6 +99,7 @@ RunTotals play(FrontEnd& front_end, Slam& slam, OverlayWriter* overlay,
       if (overlay && overlay->wants(prepared->frame.index)) overlay->write(*prepared, dynamics);
       FrameReport& report = totals.frames.back();
       report.frame_ms = watch.lap_ms();
+      report.resident_mb = resident_memory_mb();
       progress.update(
           static_cast<std::size_t>(report.index) + 1,
           report.localised ? fmt::format("{} landmarks", report.tracked_landmarks) : "lost");

@@ -1,5 +1,7 @@
 #include "apps/run_report.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -64,15 +66,24 @@ std::size_t RunTotals::localised() const {
       std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.localised; }));
 }
 
+double resident_memory_mb() {
+  std::ifstream status("/proc/self/statm");
+  double total = 0.0, resident = 0.0;
+  status >> total >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
+}
+
 std::string timings_csv(const std::vector<FrameReport>& frames) {
   std::string out =
-      "index,timestamp,localised,keyframe,features,removed,detections,compensated,landmarks";
+      "index,timestamp,localised,keyframe,features,removed,detections,compensated,landmarks,"
+      "map_keyframes,map_landmarks,memory_mb";
   for (const Column& c : columns) out += fmt::format(",{}_ms", c.name);
   out += '\n';
   for (const FrameReport& f : frames) {
-    out += fmt::format("{},{:.6f},{:d},{:d},{},{},{},{},{}", f.index, f.timestamp, f.localised,
-                       f.keyframe, f.features, f.removed_features, f.detections, f.compensated,
-                       f.tracked_landmarks);
+    out += fmt::format("{},{:.6f},{:d},{:d},{},{},{},{},{},{},{},{:.1f}", f.index, f.timestamp,
+                       f.localised, f.keyframe, f.features, f.removed_features, f.detections,
+                       f.compensated, f.tracked_landmarks, f.map_keyframes, f.map_landmarks,
+                       f.resident_mb);
     for (const Column& c : columns) out += fmt::format(",{:.3f}", f.*c.value);
     out += '\n';
   }

@@ -39,6 +39,9 @@ struct RunResult {
   std::optional<ErrorStatistics> absolute_error;
 };
 
+/// Megabytes that the process has in memory now (statm).
+double resident_memory_mb();
+
 /// One line per frame, a column per stage, milliseconds.
 std::string timings_csv(const std::vector<FrameReport>& frames);
 

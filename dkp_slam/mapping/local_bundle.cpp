@@ -143,6 +143,14 @@ void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& 
   }
 }
 
+void adjust_map(Map& map, const MeasurementModel& model, int which, int iterations) {
+  if (map.live_keyframes_in(which) < 2) return;
+  BundleOptions options;
+  options.iterations = iterations;
+  const BundleProblem problem = full_bundle(map, model, which);
+  apply_bundle(map, problem, adjust_bundle(map.camera(), model, problem, options));
+}
+
 void apply_full_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution) {
   if (!solution.usable || problem.poses.empty()) return;
   const std::vector<int> all = map.keyframes_in(map.keyframe(problem.poses.front().keyframe).map);

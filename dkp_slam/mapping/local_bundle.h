@@ -22,9 +22,12 @@ BundleProblem full_bundle(const Map& map, const MeasurementModel& model, int whi
 /// landmarks that have gone since are passed over.
 void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution);
 
-/// The same for a whole map that has grown since the snapshot: keyframes that came later keep their
-/// place relative to their nearest ancestor in it, landmarks relative to the first keyframe that
-/// sees them (Mur-Artal and Tardos 2017, "ORB-SLAM2", section III-C).
+/// Adjusts all of one map, here and now.
+void adjust_map(Map& map, const MeasurementModel& model, int which, int iterations);
+
+/// `apply_bundle` for a whole map that has grown since the snapshot: keyframes that came later keep
+/// their place relative to their nearest ancestor in it, landmarks relative to the first keyframe
+/// that sees them (Mur-Artal and Tardos 2017, "ORB-SLAM2", section III-C).
 void apply_full_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution);
 
 }  // namespace dkp_slam

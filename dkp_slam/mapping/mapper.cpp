@@ -140,12 +140,8 @@ void Mapper::finish(bool full_adjustment) {
   full_adjustment_.stop();
   if (worker_.pending()) carry_back();
   if (!full_adjustment) return;
-  BundleOptions options;
-  options.iterations = options_.full.iterations;
   for (int which = 0; which < map_.maps(); ++which) {
-    if (map_.live_keyframes_in(which) < 2) continue;
-    const BundleProblem problem = full_bundle(map_, model_, which);
-    apply_bundle(map_, problem, adjust_bundle(map_.camera(), model_, problem, options));
+    adjust_map(map_, model_, which, options_.full.iterations);
   }
 }
 

@@ -64,6 +64,8 @@ FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_o
   for (const char s : frame.is_static) report.removed_features += !s;
   report.tracked_landmarks = tracker_.tracked_landmarks();
   report.keyframe = map_.keyframe_ids() > keyframes_before;
+  report.map_keyframes = map_.live_keyframes();
+  report.map_landmarks = map_.live_landmarks();
   if (dynamics_out) *dynamics_out = std::move(dynamics);
   return report;
 }

@@ -39,6 +39,8 @@ struct FrameReport {
   int detections = 0;   ///< in this frame, scores high enough to start an object
   int compensated = 0;  ///< objects carried without a detection
   bool keyframe = false;
+  int map_keyframes = 0, map_landmarks = 0;  ///< in all maps, after the frame
+  double resident_mb = 0.0;  ///< memory of the whole process, where somebody measured it
   double decode_ms = 0.0, feature_ms = 0.0,
          detection_ms = 0.0;  ///< in threads ahead of the tracker
   double clustering_ms = 0.0, removal_ms = 0.0, tracking_ms = 0.0;

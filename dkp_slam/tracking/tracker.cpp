@@ -11,14 +11,17 @@
 namespace dkp_slam {
 Tracker::Tracker(Map& map, const PlaceIndex& places, Mapper& mapper, const MeasurementModel& model,
                  const TrackerOptions& options)
-    : map_(map), places_(places), mapper_(mapper), model_(model), options_(options) {}
+    : map_(map), places_(places), mapper_(mapper), model_(model), options_(options) {
+  // In a map from before the camera first has to find out where it is.
+  if (map_.live_keyframes() > 0) state_ = TrackingState::lost;
+}
 
 bool Tracker::track(Frame& frame) {
   mapper_.advance(frame.index);
   follow_map_changes();
   frame.landmark.assign(static_cast<std::size_t>(frame.features.size()), -1);
   tracked_landmarks_ = 0;
-  if (state_ == TrackingState::not_initialized) return initialize(frame);
+  if (state_ == TrackingState::not_initialized) return !options_.localize_only && initialize(frame);
   if (!localize(frame)) {
     if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);
     state_ = TrackingState::lost;
@@ -63,7 +66,7 @@ bool Tracker::localize(Frame& frame) {
 bool Tracker::start_another_map(Frame& frame) {
   if (!lost_since_) lost_since_ = frame.timestamp;
   const double lost = frame.timestamp - *lost_since_;
-  if (lost < options_.longest_loss || !can_start(frame)) return false;
+  if (options_.localize_only || lost < options_.longest_loss || !can_start(frame)) return false;
   spdlog::warn("frame {}: lost for {:.1f} s, another map is begun", frame.index, lost);
   lost_since_.reset();
   map_.start_map();
@@ -206,8 +209,10 @@ bool Tracker::track_local_map(Frame& frame) {
                 [&](int l) { return std::binary_search(matched.begin(), matched.end(), l); });
 
   const std::vector<VisibleLandmark> visible = landmarks_in_view(map_, frame, landmarks);
-  for (const VisibleLandmark& v : visible) ++map_.landmark(v.landmark).visible;
-  for (const int l : matched) ++map_.landmark(l).visible;
+  if (!options_.localize_only) {
+    for (const VisibleLandmark& v : visible) ++map_.landmark(v.landmark).visible;
+    for (const int l : matched) ++map_.landmark(l).visible;
+  }
   constexpr float radius_factor = 3.0F;  // ORB-SLAM's for RGB-D
   for (const FrameMatch& m : match_visible(map_, frame, visible, radius_factor))
     matches.push_back(m);
@@ -215,8 +220,9 @@ bool Tracker::track_local_map(Frame& frame) {
   drop_dynamic(frame, matches);
   tracked_landmarks_ = refine_pose(map_, model_, frame, matches);
   if (tracked_landmarks_ < options_.least_inliers) return false;
-  for (const FrameMatch& m : matches) ++map_.landmark(m.landmark).found;
   assign_landmarks(matches, frame);
+  if (options_.localize_only) return true;
+  for (const FrameMatch& m : matches) ++map_.landmark(m.landmark).found;
   weigh_evidence(frame, all_matches);
   return true;
 }
@@ -246,6 +252,7 @@ void Tracker::weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& 
 }
 
 bool Tracker::keyframe_is_due(const Frame& frame) const {
+  if (options_.localize_only) return false;
   const auto room = std::count(frame.is_static.begin(), frame.is_static.end(), 1);
   if (room < options_.least_keyframe_features) return false;
   if (!mapper_.adjusting() && frame.timestamp - keyframe_time_ >= options_.keyframe_interval)

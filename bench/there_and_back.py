@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""A long run from a short recording: plays a sequence in TUM format forward and backward in turn.
+
+  there_and_back.py make SEQUENCE OUT --rounds 20     a folder that lists the frames that often
+  there_and_back.py measure OUT RUN                   first and last round of its run side by side
+
+`make` copies no image: OUT's lists name those of SEQUENCE. Run it with a camera file whose readout is
+0: played backward, a rolling shutter reads the rows the wrong way round.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+
+
+def entries(path):
+    lines = (l.split() for l in path.read_text().splitlines() if l and not l.startswith("#"))
+    return [(float(l[0]), l[1:]) for l in lines if l]
+
+
+def make(sequence, out, rounds):
+    for name in ("rgb", "depth"):
+        if not (sequence / f"{name}.txt").is_file():
+            sys.exit(f"there_and_back.py: {sequence} has no {name}.txt; name a folder in TUM format")
+    out.mkdir(parents=True, exist_ok=True)
+    lists = {name: entries(sequence / f"{name}.txt") for name in ("rgb", "depth", "groundtruth")}
+    first = min(t for t, _ in lists["rgb"])
+    last = max(t for t, _ in lists["rgb"])
+    frame_time = (last - first) / (len(lists["rgb"]) - 1)
+    length = last - first + frame_time
+    for name in ("rgb", "depth"):
+        link = out / name
+        if not link.exists():
+            link.symlink_to((sequence / name).resolve())
+    for name, rows in lists.items():
+        with open(out / f"{name}.txt", "w") as file:
+            for r in range(rounds):
+                begin = first + r * length
+                inside = [(t, rest) for t, rest in rows if first - 0.05 <= t <= last + 0.05]
+                moments = [(begin + (last - t if r % 2 else t - first), rest) for t, rest in inside]
+                for t, rest in sorted(moments):
+                    file.write(f"{t:.6f} {' '.join(rest)}\n")
+    (out / "rounds.txt").write_text(f"{first:.6f} {length:.6f} {rounds}\n")
+
+
+def within(rows, begin, end):
+    return [(t, rest) for t, rest in rows if begin <= t < end]
+
+
+def error(program, truth, path):
+    with tempfile.TemporaryDirectory() as folder:
+        names = []
+        for name, rows in (("truth", truth), ("path", path)):
+            names.append(pathlib.Path(folder) / f"{name}.txt")
+            names[-1].write_text("".join(f"{t:.6f} {' '.join(rest)}\n" for t, rest in rows))
+        done = subprocess.run([program, "eval", *map(str, names), "--json", "-"], capture_output=True,
+                              text=True, check=True)
+    return json.loads(done.stdout)["ate"]["translation_m"]["rmse"]
+
+
+def measure(out, run, program):
+    first, length, rounds = (float(x) for x in (out / "rounds.txt").read_text().split())
+    truth, path = entries(out / "groundtruth.txt"), entries(run / "trajectory.txt")
+    with open(run / "timings.csv") as file:
+        frames = list(csv.DictReader(file))
+    print("round  frames  localised  frame ms  tracking ms  keyframes made  memory MB  ATE m")
+    for r in range(int(rounds)):
+        begin, end = first + r * length, first + (r + 1) * length
+        mine = [f for f in frames if begin <= float(f["timestamp"]) < end]
+        if not mine:
+            break
+        ate = error(program, within(truth, begin, end), within(path, begin, end))
+        print(f"{r + 1:5}  {len(mine):6}  {sum(int(f['localised']) for f in mine):9}"
+              f"  {statistics.median(float(f['frame_ms']) for f in mine):8.1f}"
+              f"  {statistics.median(float(f['tracking_ms']) for f in mine):11.2f}"
+              f"  {sum(int(f['keyframe']) for f in mine):14}"
+              f"  {max(float(f['memory_mb']) for f in mine):9.1f}  {ate:.4f}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    maker = commands.add_parser("make")
+    maker.add_argument("sequence", type=pathlib.Path)
+    maker.add_argument("out", type=pathlib.Path)
+    maker.add_argument("--rounds", type=int, default=20)
+    measurer = commands.add_parser("measure")
+    measurer.add_argument("out", type=pathlib.Path)
+    measurer.add_argument("run", type=pathlib.Path)
+    measurer.add_argument("--program", default="build/release/dkp-slam")
+    arguments = parser.parse_args()
+    if arguments.command == "make":
+        make(arguments.sequence, arguments.out, arguments.rounds)
+    else:
+        measure(arguments.out, arguments.run, arguments.program)
+
+
+if __name__ == "__main__":
+    main()
