@@ -154,10 +154,16 @@ void run(RunOptions options) {
     result.totals = play(front_end, slam, overlay ? &*overlay : nullptr, frames);
   }
   slam.finish(result.totals.interrupted);
-  result.trajectory = slam.trajectory();
+  std::vector<Trajectory> paths = slam.trajectories();
+  if (!paths.empty()) {
+    result.trajectory = std::move(paths.front());
+    result.other_paths.assign(std::make_move_iterator(paths.begin() + 1),
+                              std::make_move_iterator(paths.end()));
+  }
   result.keyframes = slam.keyframe_trajectory();
   result.landmarks = slam.map().live_landmarks();
-  result.loops_closed = static_cast<int>(slam.loops().size());
+  for (const ClosedLoop& l : slam.loops())
+    (l.joined_maps ? result.maps_joined : result.loops_closed)++;
   result.absolute_error = error_against_truth(options.sequence, result.trajectory);
   save_run(result, options.out);
   std::fputs(summary_text(result, options.out).c_str(), stdout);

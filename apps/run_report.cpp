@@ -57,6 +57,18 @@ double peak_memory_mb() {
   return 0.0;
 }
 
+/// Of the frames' paths, the longest being the first.
+std::string path_name(std::size_t number) {
+  return number == 1 ? files[0] : fmt::format("trajectory_{}.txt", number);
+}
+
+std::vector<std::size_t> frames_per_map(const RunResult& result) {
+  std::vector<std::size_t> frames;
+  if (!result.trajectory.empty()) frames.push_back(result.trajectory.size());
+  for (const Trajectory& t : result.other_paths) frames.push_back(t.size());
+  return frames;
+}
+
 double rounded(double value, double digits) { return std::round(value * digits) / digits; }
 
 }  // namespace
@@ -112,6 +124,8 @@ nlohmann::ordered_json summary_json(const RunResult& result) {
   json["keyframes"] = result.keyframes.size();
   json["landmarks"] = result.landmarks;
   json["loops_closed"] = result.loops_closed;
+  json["maps"] = frames_per_map(result);
+  json["maps_joined"] = result.maps_joined;
   if (result.absolute_error) {
     json["ate"] = {{"poses", result.absolute_error->count},
                    {"rmse_m", rounded(result.absolute_error->rmse, 1e6)}};
@@ -132,7 +146,14 @@ std::string summary_text(const RunResult& result, const fs::path& out) {
   if (totals.dropped_frames > 0) text += fmt::format(", {} dropped", totals.dropped_frames);
   text += fmt::format("; {} keyframes, {} landmarks", result.keyframes.size(), result.landmarks);
   if (result.loops_closed > 0) text += fmt::format(", {} loops closed", result.loops_closed);
+  if (result.maps_joined > 0) text += fmt::format(", {} maps joined", result.maps_joined);
   text += '\n';
+  if (!result.other_paths.empty()) {
+    text +=
+        fmt::format("{} maps that never met, of {} frames: {} has the longest path, {} the next\n",
+                    result.other_paths.size() + 1, fmt::join(frames_per_map(result), ", "),
+                    files[0], path_name(2));
+  }
 
   const long features = sum(frames, &FrameReport::features);
   const long removed = sum(frames, &FrameReport::removed_features);
@@ -170,6 +191,9 @@ void prepare_run_folder(const fs::path& out) {
 
 void save_run(const RunResult& result, const fs::path& out) {
   write_trajectory(out / files[0], result.trajectory);
+  std::size_t number = 2;
+  for (const Trajectory& t : result.other_paths) write_trajectory(out / path_name(number++), t);
+  for (; fs::exists(out / path_name(number)); ++number) fs::remove(out / path_name(number));
   write_trajectory(out / files[1], result.keyframes);
   write_file_atomically(out / files[2], recorded_header() + result.totals.detections);
   write_file_atomically(out / files[3], timings_csv(result.totals.frames));

@@ -31,8 +31,10 @@ struct RunTotals {
 struct RunResult {
   RunTotals totals;
   Trajectory trajectory, keyframes;
+  std::vector<Trajectory> other_paths;  ///< in maps that never met that of the trajectory
   int landmarks = 0;
   int loops_closed = 0;
+  int maps_joined = 0;
   std::string detector;            ///< "none", or the name of the one that was chosen
   nlohmann::ordered_json options;  ///< what the user asked for and what was chosen for him
   /// Of the trajectory, metres, where the sequence brings its true path.
@@ -55,7 +57,8 @@ std::string summary_text(const RunResult& result, const std::filesystem::path& o
 void prepare_run_folder(const std::filesystem::path& out);
 
 /// Writes trajectory.txt, keyframes.txt, detections.txt, timings.csv and summary.json, each whole
-/// or not at all.
+/// or not at all; and trajectory_2.txt and so on for other paths, of which none is left from an
+/// earlier run.
 void save_run(const RunResult& result, const std::filesystem::path& out);
 
 /// Why the run counts as failed, one line; empty when it does not. Fails: a run that ended early,
