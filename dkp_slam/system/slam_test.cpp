@@ -101,11 +101,11 @@ TappedSource::Tap cover(int from, int to) {
 /// Detects exactly what is true: each connected piece of the mask, with its silhouette.
 class TrueDetector : public Detector {
  public:
-  explicit TrueDetector(const std::vector<cv::Mat>& masks) : masks_(masks) {}
+  explicit TrueDetector(const std::vector<SyntheticTruth>& truths) : truths_(truths) {}
   std::string name() const override { return "truth"; }
   std::vector<Detection> detect(const RgbdFrame& frame) override {
     cv::Mat labels, boxes, centres;
-    const cv::Mat& mask = masks_.at(std::size_t(frame.index));
+    const cv::Mat& mask = truths_.at(std::size_t(frame.index)).mask;
     const int pieces = cv::connectedComponentsWithStats(mask, labels, boxes, centres);
     std::vector<Detection> found;
     for (int i = 1; i < pieces; ++i) {
@@ -124,7 +124,7 @@ class TrueDetector : public Detector {
   }
 
  private:
-  const std::vector<cv::Mat>& masks_;
+  const std::vector<SyntheticTruth>& truths_;
 };
 
 std::unique_ptr<Detector> motion_detector(const Camera& camera) {
@@ -149,7 +149,7 @@ TEST(SyntheticSlam, WalkingPeopleWithTrueDetectionsInEveryMode) {
        {DynamicsMode::d, DynamicsMode::dk, DynamicsMode::dkp, DynamicsMode::dkp_plus}) {
     SCOPED_TRACE(static_cast<int>(mode));
     const Outcome outcome =
-        run(room.play(), std::make_unique<TrueDetector>(room.masks), room.camera, mode);
+        run(room.play(), std::make_unique<TrueDetector>(room.truths), room.camera, mode);
     EXPECT_EQ(outcome.lost(), std::vector<int>());
     EXPECT_LT(room.error(outcome.path), 0.008);
     EXPECT_GT(outcome.removed_share(), 0.05);
@@ -175,7 +175,7 @@ TEST(SyntheticSlam, GoesOnWithoutADetectorThatFails) {
     }
   };
   const Recording room("walking_xyz", 30);
-  const Outcome outcome = run(room.play(), std::make_unique<FailingDetector>(room.masks),
+  const Outcome outcome = run(room.play(), std::make_unique<FailingDetector>(room.truths),
                               room.camera, DynamicsMode::dkp_plus);
   EXPECT_EQ(outcome.detector_failures, 1);
   EXPECT_EQ(outcome.lost(), std::vector<int>());

@@ -32,18 +32,20 @@ class RecordedSource : public RgbdSource {
 /// A synthetic scenario with all that is true of it. Rendered once, to be played often.
 struct Recording {
   std::vector<RgbdFrame> frames;
-  std::vector<cv::Mat> masks;
+  std::vector<SyntheticTruth> truths;  ///< of each frame
   Trajectory truth;
   Camera camera;
 
-  Recording(const std::string& scenario, std::size_t length) {
+  Recording(const std::string& scenario, std::size_t length, std::size_t first_frame = 0) {
     SyntheticOptions options = synthetic_scenario(scenario);
     options.frames = length;
+    options.first_frame = first_frame;
     camera = options.camera;
     SyntheticSource world(options);
     while (auto frame = world.read()) {
       truth.push_back({frame->timestamp, world.truth().world_from_camera});
-      masks.push_back(world.truth().mask.clone());
+      truths.push_back(world.truth());
+      truths.back().mask = world.truth().mask.clone();  // the source writes the next one over it
       frames.push_back(std::move(*frame));
     }
   }

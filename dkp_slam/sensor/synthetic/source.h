@@ -20,6 +20,7 @@ struct SyntheticOptions {
   std::string scenario = "walking_xyz";
   /// As many arrive, at the camera's frame rate; 0: as many as the trajectory lasts.
   std::size_t frames = 600;
+  std::size_t first_frame = 0;  ///< what happens before this frame is left out
   std::uint64_t seed = 1;
   /// Noise, quantisation, shadows, holes and range limits of a Kinect's depth, noise of its colour.
   /// Without: exact depth within the range limits, colour with exposure, vignetting and motion
