@@ -15,12 +15,12 @@ cv::Rect grown(const cv::Rect& box, const cv::Size& image) {
 }  // namespace
 
 const SyntheticWorld& walking_world() {
-  static const SyntheticWorld world("walking_xyz", 75);
+  static const SyntheticWorld world("walking_xyz", 48, 85, {1});
   return world;
 }
 
 const SyntheticWorld& sitting_world() {
-  static const SyntheticWorld world("sitting_static", 25);
+  static const SyntheticWorld world("sitting_static", 12, 0, {});
   return world;
 }
 
@@ -31,7 +31,9 @@ DetectionList jittered(const DetectionList& exact, double share, const cv::Size&
   for (auto& detections : result) {
     for (Detection& d : detections) {
       const float w = d.box.width, h = d.box.height;
-      const auto off = [&](float size) { return static_cast<float>(random.gaussian(share)) * size; };
+      const auto off = [&](float size) {
+        return static_cast<float>(random.gaussian(share)) * size;
+      };
       cv::Point2f tl = d.box.tl(), br = d.box.br();
       tl += {off(w), off(h)};
       br += {off(w), off(h)};
@@ -50,7 +52,7 @@ std::vector<PersonMask> score_people(
     const double image = static_cast<double>(truth.instance.total());
     for (const SyntheticObject& object : truth.objects) {
       if (!is_person(object) || object.pixels < least_share * image) continue;
-      if (wanted && !wanted(i, object.instance)) continue;
+      if (!wanted(i, object.instance)) continue;
       PersonMask person{i, object.instance};
       if (!results[i].mask.empty()) {
         const cv::Rect around = grown(object.box, truth.instance.size());
@@ -69,25 +71,30 @@ std::vector<PersonMask> score_people(
 
 FeatureShares feature_shares(const SyntheticWorld& world, const std::vector<FrameDynamics>& results,
                              const std::function<bool(std::size_t frame)>& wanted) {
-  double on_people = 0.0, removed = 0.0, on_room = 0.0, kept = 0.0;
+  double on_people = 0.0, people_removed = 0.0, on_walkers = 0.0, walkers_removed = 0.0;
+  double on_room = 0.0, room_kept = 0.0;
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (wanted && !wanted(i)) continue;
-    const SyntheticTruth& truth = world.recording.truths[i];
     std::vector<bool> person(256, false);
-    for (const SyntheticObject& o : truth.objects) person[std::size_t(o.instance)] = is_person(o);
+    for (const SyntheticObject& object : world.recording.truths[i].objects) {
+      person[static_cast<std::size_t>(object.instance)] = is_person(object);
+    }
     for (std::size_t k = 0; k < results[i].features.size(); ++k) {
       const int instance = world.instance_at(i, k);
-      const bool is_static = results[i].features[k].is_static;
+      const double kept = results[i].features[k].is_static ? 1.0 : 0.0;
       if (instance == 0) {
         on_room += 1.0;
-        kept += is_static ? 1.0 : 0.0;
-      } else if (person[std::size_t(instance)]) {
+        room_kept += kept;
+      } else if (person[static_cast<std::size_t>(instance)]) {
         on_people += 1.0;
-        removed += is_static ? 0.0 : 1.0;
+        people_removed += 1.0 - kept;
+        on_walkers += world.walks(instance) ? 1.0 : 0.0;
+        walkers_removed += world.walks(instance) ? 1.0 - kept : 0.0;
       }
     }
   }
-  return {removed / on_people, kept / on_room};
+  return {people_removed / on_people, walkers_removed / std::max(1.0, on_walkers),
+          room_kept / on_room};
 }
 
 double quantile(std::vector<double> values, double share) {

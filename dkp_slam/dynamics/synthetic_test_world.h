@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -22,10 +25,12 @@ struct SyntheticWorld {
   Recording recording;
   std::vector<cv::Mat> grey;
   std::vector<std::vector<cv::KeyPoint>> keypoints;
-  DetectionList boxes;  ///< the exact boxes, without silhouettes
+  DetectionList boxes;       ///< the exact boxes, without silhouettes
+  std::vector<int> walkers;  ///< actors who walk in these frames; the other people sit
 
-  SyntheticWorld(const std::string& scenario, std::size_t length, std::size_t first_frame = 0)
-      : recording(scenario, length, first_frame) {
+  SyntheticWorld(const std::string& scenario, std::size_t length, std::size_t first_frame,
+                 std::vector<int> walking)
+      : recording(scenario, length, first_frame), walkers(std::move(walking)) {
     const OrbExtractor orb;
     for (std::size_t i = 0; i < length; ++i) {
       grey.emplace_back();
@@ -43,10 +48,13 @@ struct SyntheticWorld {
     DynamicsModule module(recording.camera, options);
     std::vector<FrameDynamics> results;
     for (std::size_t i = 0; i < size(); ++i) {
-      results.push_back(
-          module.process(recording.frames[i], grey[i], keypoints[i], detections[i]));
+      results.push_back(module.process(recording.frames[i], grey[i], keypoints[i], detections[i]));
     }
     return results;
+  }
+
+  bool walks(int instance) const {
+    return std::find(walkers.begin(), walkers.end(), instance) != walkers.end();
   }
 
   /// The actor's number at a keypoint's pixel, 0 for the room.
@@ -56,7 +64,7 @@ struct SyntheticWorld {
   }
 };
 
-/// People walk about while the camera moves by 0.3 m/s. Rendered once a program.
+/// Somebody walks up to the camera, which moves, while somebody else sits. Rendered once a program.
 const SyntheticWorld& walking_world();
 /// People sit and gesture while the camera stands. Rendered once a program.
 const SyntheticWorld& sitting_world();
@@ -78,12 +86,13 @@ struct PersonMask {
 /// box grown by a quarter to each side, apart from what lies on other actors.
 std::vector<PersonMask> score_people(
     const SyntheticWorld& world, const std::vector<FrameDynamics>& results, double least_share,
-    const std::function<bool(std::size_t frame, int instance)>& wanted = nullptr);
+    const std::function<bool(std::size_t frame, int instance)>& wanted);
 
-/// Shares of features by what they lie on in truth.
+/// Shares of features by what they lie on in truth, in frames where `wanted` holds.
 struct FeatureShares {
-  double people_removed = 0.0;
-  double static_kept = 0.0;
+  double people_removed = 0.0;   ///< of those on anybody
+  double walkers_removed = 0.0;  ///< of those on people who walk
+  double static_kept = 0.0;      ///< of those on the room
 };
 FeatureShares feature_shares(const SyntheticWorld& world, const std::vector<FrameDynamics>& results,
                              const std::function<bool(std::size_t frame)>& wanted = nullptr);

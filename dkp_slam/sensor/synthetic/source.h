@@ -83,9 +83,9 @@ class SyntheticSource : public RgbdSource {
 
   SyntheticOptions options_;
   Scenario scenario_;
-  std::vector<std::size_t> arriving_;  ///< which of the frames that the camera takes
+  std::vector<std::size_t> arriving_;         ///< which of the frames that the camera takes
   std::unique_ptr<const Renderer> renderer_;  ///< made for the first frame
-  std::optional<ColourSensor> sensor_;  ///< its exposure follows the frames
+  std::optional<ColourSensor> sensor_;        ///< its exposure follows the frames
   SyntheticTruth truth_;
   std::size_t next_ = 0;
 };
