@@ -58,7 +58,7 @@ TEST(CompensationOnTruth, BurstOfASecond) {
   ASSERT_GT(world.size(), first + length);
   std::vector<bool> lost(world.size(), false);
   std::fill_n(lost.begin() + first, length, true);
-  // Measured: everybody masked; a twentieth fewer features removed.
+  // Measured: the same.
   for (const DynamicsMode mode : modes) {
     SCOPED_TRACE(static_cast<int>(mode));
     const Cost cost = cost_of(world, lost, mode);

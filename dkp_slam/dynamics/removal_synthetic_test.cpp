@@ -11,22 +11,22 @@ FeatureShares shares(const SyntheticWorld& world, DynamicsMode mode) {
 }
 
 TEST(RemovalOnTruth, PaperWhilePeopleWalk) {
-  // Measured: 0.81, 0.91, 0.90.
+  // Measured: 0.77, 0.87, 0.91.
   const FeatureShares found = shares(walking_world(), DynamicsMode::dkp);
-  EXPECT_GE(found.people_removed, 0.75);
-  EXPECT_GE(found.walkers_removed, 0.86);
+  EXPECT_GE(found.people_removed, 0.70);
+  EXPECT_GE(found.walkers_removed, 0.82);
   EXPECT_GE(found.static_kept, 0.86);
 }
 
 TEST(RemovalOnTruth, PaperWhilePeopleSit) {
-  // Measured: 0.25, 0.96. Most of what sits still is kept, as the paper's Fig. 5 has it.
+  // Measured: 0.22, 0.96. Most of what sits still is kept, as the paper's Fig. 5 has it.
   const FeatureShares found = shares(sitting_world(), DynamicsMode::dkp);
   EXPECT_GE(found.people_removed, 0.15);
   EXPECT_GE(found.static_kept, 0.93);
 }
 
 TEST(RemovalOnTruth, OursWhilePeopleWalk) {
-  // Measured: 0.95, 0.998, 0.84. Of the room 4% lie in a mask (chairs), 8% within 2 px of one.
+  // Measured: 0.94, 0.998, 0.84. Of the room 4% lie in a mask (chairs), 8% within 2 px of one.
   const FeatureShares found = shares(walking_world(), DynamicsMode::dkp_plus);
   EXPECT_GE(found.people_removed, 0.91);
   EXPECT_GE(found.walkers_removed, 0.98);
@@ -34,7 +34,7 @@ TEST(RemovalOnTruth, OursWhilePeopleWalk) {
 }
 
 TEST(RemovalOnTruth, OursWhilePeopleSit) {
-  // Measured: 0.84, 0.87. What is proved still on people is kept.
+  // Measured: 0.85, 0.87. What is proved still on people is kept.
   const FeatureShares found = shares(sitting_world(), DynamicsMode::dkp_plus);
   EXPECT_GE(found.people_removed, 0.75);
   EXPECT_GE(found.static_kept, 0.83);
