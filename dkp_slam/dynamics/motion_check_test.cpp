@@ -109,12 +109,5 @@ TEST(Epipolar, FindsFFromLowRegionsThoughPeopleAreTheMajority) {
   EXPECT_GT(movers_right, 120);  // of 180: motion along the line cannot show
 }
 
-TEST(Epipolar, DistanceOfEquationFive) {
-  // Sideways motion: the lines are rows, D is the difference in y.
-  const cv::Matx33d fundamental(0, 0, 0, 0, 0, -1, 0, 1, 0);
-  EXPECT_DOUBLE_EQ(epipolar_distance(fundamental, {100, 50}, {130, 53}), 3.0);
-  EXPECT_DOUBLE_EQ(epipolar_distance(fundamental, {100, 50}, {180, 50}), 0.0);
-}
-
 }  // namespace
 }  // namespace dkp_slam

@@ -17,13 +17,8 @@ float half_thickness(float z, const PlaneOptions& options) {
   return static_cast<float>(options.thickness_constant + options.thickness_quadratic * z * z);
 }
 
-struct FittedPlane {
-  Plane plane;
-  double extent = 0.0;  ///< metres along its longer axis, taking the points as spread evenly
-  double width = 0.0;   ///< the same across
-};
-
-FittedPlane least_squares(const std::vector<Eigen::Vector3f>& points) {
+/// Extent and width take the points as spread evenly.
+Plane least_squares(const std::vector<Eigen::Vector3f>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3f& p : points) {
@@ -38,7 +33,8 @@ FittedPlane least_squares(const std::vector<Eigen::Vector3f>& points) {
   const Eigen::Vector3d normal = solver.eigenvectors().col(0);
   const double extent = std::sqrt(12.0 * std::max(0.0, solver.eigenvalues()[2]));
   const double width = std::sqrt(12.0 * std::max(0.0, solver.eigenvalues()[1]));
-  return {{normal.cast<float>(), static_cast<float>(normal.dot(mean))}, extent, width};
+  return {normal.cast<float>(), static_cast<float>(normal.dot(mean)), static_cast<float>(extent),
+          static_cast<float>(width)};
 }
 
 std::vector<Eigen::Vector3f> sample_points(const DepthView& view, const cv::Mat& exclude) {
@@ -68,10 +64,10 @@ std::optional<Plane> plane_through(const Eigen::Vector3f& a, const Eigen::Vector
   const float length = normal.norm();
   constexpr float min_area = 5e-4F;  // square metres: thinner triangles have no stable normal
   if (length < min_area) return std::nullopt;
-  return Plane{normal / length, normal.dot(a) / length};
+  return Plane{normal / length, normal.dot(a) / length, 0.0F, 0.0F};
 }
 
-Plane fit_plane(const std::vector<Eigen::Vector3f>& points) { return least_squares(points).plane; }
+Plane fit_plane(const std::vector<Eigen::Vector3f>& points) { return least_squares(points); }
 
 std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
                               const PlaneOptions& options, std::uint64_t seed) {
@@ -103,10 +99,10 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
     std::vector<Eigen::Vector3f> inliers;
     std::copy_if(points.begin(), points.end(), std::back_inserter(inliers),
                  [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });
-    const FittedPlane fitted = least_squares(inliers);
-    best = fitted.plane;
-    if (fitted.extent >= options.min_extent && fitted.width >= options.min_width)
-      planes.push_back(best);
+    best = least_squares(inliers);
+    const bool room = static_cast<double>(best.extent) >= options.min_extent &&
+                      static_cast<double>(best.width) >= options.min_width;
+    if (room) planes.push_back(best);
     std::erase_if(points, [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });
   }
   return planes;

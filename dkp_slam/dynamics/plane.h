@@ -15,6 +15,8 @@ namespace dkp_slam {
 struct Plane {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
   float distance = 0.0F;
+  float extent = 0.0F;  ///< metres of it that were seen along its longer axis; 0: unknown
+  float width = 0.0F;   ///< the same across
 };
 
 struct PlaneOptions {

@@ -28,7 +28,8 @@ void RoomPlanes::move(const Se3& current_from_previous) {
 std::vector<Plane> RoomPlanes::planes() const {
   std::vector<Plane> out;
   for (const Known& k : known_) {
-    const bool proved = k.last_found - k.first_found >= options_.proof;
+    const double needed = k.large ? options_.large_proof : options_.proof;
+    const bool proved = k.last_found - k.first_found >= needed;
     if (proved || k.last_found >= time_) out.push_back(k.plane);
   }
   return out;
@@ -52,14 +53,20 @@ bool RoomPlanes::adapt(const DepthView& view, Plane& plane) const {
   return true;
 }
 
+bool RoomPlanes::is_large(const Plane& plane) const {
+  return static_cast<double>(plane.extent) >= options_.large_extent &&
+         static_cast<double>(plane.width) >= options_.large_width;
+}
+
 void RoomPlanes::update(const DepthView& view, const std::vector<Plane>& found, double time) {
   time_ = time;
   std::vector<Known> now;
   for (const Plane& p : found) {
-    Known fresh{p, time, time};
+    Known fresh{p, time, time, is_large(p)};
     for (const Known& k : known_) {
       if (!alike(k.plane, p, options_.same_turn, options_.same_shift)) continue;
       fresh.first_found = std::min(fresh.first_found, k.first_found);
+      fresh.large = fresh.large || k.large;
     }
     now.push_back(fresh);
   }

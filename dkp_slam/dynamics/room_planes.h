@@ -15,6 +15,11 @@ struct RoomPlanesOptions {
   /// Seconds over which a plane must have been found in its place to be remembered at all:
   /// somebody's back is flat for some frames, but does not stay.
   double proof = 0.5;
+  /// Over which a plane of this size, metres, must have been found: nobody's back is that large,
+  /// but a plane through two people may be.
+  double large_proof = 0.1;
+  double large_extent = 2.0;
+  double large_width = 1.0;
   /// A remembered plane stays while this share of the view's depth lies on it...
   double min_support = 0.01;
   /// ... and is fitted anew to what does, as long as that turns and shifts it by less than this.
@@ -44,7 +49,9 @@ class RoomPlanes {
   struct Known {
     Plane plane;
     double first_found = 0.0, last_found = 0.0;  ///< seconds
+    bool large = false;                          ///< was seen to be too large for anybody
   };
+  bool is_large(const Plane& plane) const;
   bool adapt(const DepthView& view, Plane& plane) const;
 
   RoomPlanesOptions options_;

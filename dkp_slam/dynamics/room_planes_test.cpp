@@ -87,6 +87,19 @@ TEST(RoomPlanes, WhatWasFlatForAMomentIsNotRemembered) {
   EXPECT_EQ(room.planes().size(), 1U);
 }
 
+TEST(RoomPlanes, LargeOnesAreRememberedAlmostAtOnce) {
+  Plane floor = table();
+  floor.extent = 2.5F;
+  floor.width = 1.2F;
+  RoomPlanes room({}, {});
+  room.update(view_of_table(640), {floor}, 0.0);
+  room.update(view_of_table(640), {}, 0.03);  // once is chance
+  EXPECT_TRUE(room.planes().empty());
+  room.update(view_of_table(640), {table()}, 0.12);  // and need not look that large again
+  room.update(view_of_table(640), {}, 0.15);
+  EXPECT_EQ(room.planes().size(), 1U);
+}
+
 TEST(RoomPlanes, TakeTheNewerOfTwoThatAreOne) {
   RoomPlanes room = room_with_table();
   const Plane again{-Eigen::Vector3f::UnitY(), -0.61F};  // the normal's sign means nothing

@@ -29,21 +29,36 @@ class RecordedSource : public RgbdSource {
   std::size_t next_;
 };
 
+/// The same view with fewer pixels.
+inline Camera smaller(Camera camera, int divisor) {
+  camera.width /= divisor;
+  camera.height /= divisor;
+  for (double* length : {&camera.fx, &camera.fy}) *length /= divisor;
+  // Pixel centres have whole coordinates, so that the image begins at -0.5.
+  for (double* centre : {&camera.cx, &camera.cy}) *centre = (*centre + 0.5) / divisor - 0.5;
+  return camera;
+}
+
 /// A synthetic scenario with all that is true of it. Rendered once, to be played often.
 struct Recording {
   std::vector<RgbdFrame> frames;
-  std::vector<cv::Mat> masks;
+  std::vector<SyntheticTruth> truths;  ///< of each frame
   Trajectory truth;
   Camera camera;
 
-  Recording(const std::string& scenario, std::size_t length) {
+  /// `divisor`: 1 for 640 x 480 pixels, 2 for half the width, which is rendered in a third of the
+  /// time.
+  Recording(const std::string& scenario, std::size_t length, std::size_t first_frame = 0,
+            int divisor = 1) {
     SyntheticOptions options = synthetic_scenario(scenario);
     options.frames = length;
-    camera = options.camera;
+    options.first_frame = first_frame;
+    camera = options.camera = smaller(options.camera, divisor);
     SyntheticSource world(options);
     while (auto frame = world.read()) {
       truth.push_back({frame->timestamp, world.truth().world_from_camera});
-      masks.push_back(world.truth().mask.clone());
+      truths.push_back(world.truth());
+      truths.back().mask = world.truth().mask.clone();  // the source writes the next one over it
       frames.push_back(std::move(*frame));
     }
   }

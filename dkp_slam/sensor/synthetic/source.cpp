@@ -92,6 +92,7 @@ void SyntheticSource::plan_frames(std::optional<double> duration) {
     arriving_.resize(wanted);
     std::iota(arriving_.begin(), arriving_.end(), std::size_t{0});
   }
+  for (std::size_t& number : arriving_) number += options_.first_frame;
   if (duration && frames == 0) {
     arriving_.erase(std::lower_bound(arriving_.begin(), arriving_.end(), possible),
                     arriving_.end());

@@ -20,6 +20,7 @@ struct SyntheticOptions {
   std::string scenario = "walking_xyz";
   /// As many arrive, at the camera's frame rate; 0: as many as the trajectory lasts.
   std::size_t frames = 600;
+  std::size_t first_frame = 0;  ///< what happens before this frame is left out
   std::uint64_t seed = 1;
   /// Noise, quantisation, shadows, holes and range limits of a Kinect's depth, noise of its colour.
   /// Without: exact depth within the range limits, colour with exposure, vignetting and motion
@@ -82,9 +83,9 @@ class SyntheticSource : public RgbdSource {
 
   SyntheticOptions options_;
   Scenario scenario_;
-  std::vector<std::size_t> arriving_;  ///< which of the frames that the camera takes
+  std::vector<std::size_t> arriving_;         ///< which of the frames that the camera takes
   std::unique_ptr<const Renderer> renderer_;  ///< made for the first frame
-  std::optional<ColourSensor> sensor_;  ///< its exposure follows the frames
+  std::optional<ColourSensor> sensor_;        ///< its exposure follows the frames
   SyntheticTruth truth_;
   std::size_t next_ = 0;
 };

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -148,6 +150,21 @@ TEST(SyntheticSource, DropsFrames) {
   EXPECT_GT(longest, 0.3);
   EXPECT_LT(longest, 1.1);
   EXPECT_NEAR(source.timestamp(29) - source.timestamp(0), 29.0 / 30.0, 1e-6);
+}
+
+TEST(SyntheticSource, BeginsLaterWhenAskedTo) {
+  SyntheticOptions later = small("walking_xyz", 1);
+  later.first_frame = 2;
+  SyntheticSource whole(small("walking_xyz", 3)), part(later);
+  const auto only = part.read();
+  ASSERT_TRUE(only);
+  EXPECT_FALSE(part.read());
+  std::optional<RgbdFrame> last;
+  while (auto frame = whole.read()) last = std::move(frame);
+  EXPECT_EQ(only->index, 0);
+  EXPECT_EQ(only->timestamp, last->timestamp);
+  EXPECT_TRUE(same(only->depth, last->depth));
+  EXPECT_TRUE(same(part.truth().instance, whole.truth().instance));
 }
 
 TEST(SyntheticSource, FollowsARecordedPathForAsLongAsItLasts) {
