@@ -5,9 +5,9 @@
 namespace dkp_slam {
 namespace {
 
-template <class Options>
-Options with_seed(Options options, std::uint64_t seed) {
-  options.seed = seed;
+DynamicsOptions dynamics_options(const SlamOptions& all) {
+  DynamicsOptions options = all.dynamics;
+  options.seed = all.seed;
   return options;
 }
 
@@ -18,15 +18,29 @@ MapperOptions mapper_options(const SlamOptions& all) {
   return options;
 }
 
+TrackerOptions tracker_options(const SlamOptions& all) {
+  TrackerOptions options = all.tracker;
+  options.seed = all.seed;
+  options.localize_only = all.localize_only;
+  return options;
+}
+
 }  // namespace
 
-Slam::Slam(const SlamOptions& options)
+Slam::Slam(const SlamOptions& options, std::optional<Map> stored)
     : options_(options),
-      map_(options.camera, options.orb.scale, options.orb.levels),
+      map_(stored ? std::move(*stored)
+                  : Map(options.camera, options.orb.scale, options.orb.levels)),
+      first_keyframe_(map_.keyframe_ids()),
       mapper_(map_, places_, options.measurement, mapper_options(options)),
-      tracker_(map_, places_, mapper_, options.measurement,
-               with_seed(options.tracker, options.seed)),
-      dynamics_(options.camera, with_seed(options.dynamics, options.seed)) {}
+      tracker_(map_, places_, mapper_, options.measurement, tracker_options(options)),
+      dynamics_(options.camera, dynamics_options(options)) {
+  for (int k = 0; k < first_keyframe_; ++k) {
+    if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
+  }
+  // Where the camera starts nobody knows yet.
+  if (first_keyframe_ > 0 && !options.localize_only) map_.start_map();
+}
 
 FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_out) {
   FrameReport report;
@@ -66,7 +80,9 @@ FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_o
   return report;
 }
 
-void Slam::finish(bool hurry) { mapper_.finish(options_.final_adjustment && !hurry); }
+void Slam::finish(bool hurry) {
+  mapper_.finish(options_.final_adjustment && !hurry && !options_.localize_only);
+}
 
 Trajectory Slam::trajectory() const {
   Trajectory out;
@@ -80,7 +96,7 @@ Trajectory Slam::trajectory() const {
 
 Trajectory Slam::keyframe_trajectory() const {
   Trajectory out;
-  for (int k = 0; k < map_.keyframe_ids(); ++k) {
+  for (int k = first_keyframe_; k < map_.keyframe_ids(); ++k) {
     if (map_.keyframe(k).removed) continue;
     out.push_back({map_.keyframe(k).timestamp, map_.keyframe(k).camera_from_world.inverse()});
   }

@@ -45,6 +45,8 @@ struct TrackerOptions {
   double most_acceleration = 20.0;
   double most_angular_acceleration = 60.0;
   LandmarkBelief belief;
+  /// Find the camera in the map that is there, and change nothing in it.
+  bool localize_only = false;
   std::uint64_t seed = 1;  ///< of relocalisation's RANSAC
 };
 
