@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   dkp_slam::apps::add_synth_command(program);
   dkp_slam::apps::add_bench_command(program);
   dkp_slam::apps::add_demo_command(program);
+  dkp_slam::apps::add_map_command(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

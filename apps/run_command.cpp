@@ -12,6 +12,7 @@
 
 #include "apps/commands.h"
 #include "apps/progress.h"
+#include "apps/run_map.h"
 #include "apps/run_options.h"
 #include "apps/run_overlay.h"
 #include "apps/run_report.h"
@@ -80,11 +81,13 @@ nlohmann::ordered_json describe(const RunOptions& options) {
   json["provider"] = yolox ? options.detector.yolox.provider : "";
   json["seed"] = options.seed;
   json["realtime"] = options.realtime;
+  json["map"] = options.map.string();
+  json["localize"] = options.localize.string();
   return json;
 }
 
 /// Feeds all frames to the system. What goes wrong on the way ends the run and is noted.
-RunTotals play(FrontEnd& front_end, Slam& slam, OverlayWriter* overlay,
+RunTotals play(FrontEnd& front_end, Slam& slam, RunMap& map, OverlayWriter* overlay,
                std::optional<std::size_t> frames) {
   RunTotals totals;
   Progress progress("run", frames);
@@ -97,6 +100,7 @@ RunTotals play(FrontEnd& front_end, Slam& slam, OverlayWriter* overlay,
       totals.frames.push_back(slam.track(*prepared, &dynamics));
       totals.detections += recorded_lines(prepared->frame.timestamp, prepared->detections);
       if (overlay && overlay->wants(prepared->frame.index)) overlay->write(*prepared, dynamics);
+      map.update(slam.map());
       FrameReport& report = totals.frames.back();
       report.frame_ms = watch.lap_ms();
       report.resident_mb = resident_memory_mb();
@@ -138,6 +142,8 @@ void run(RunOptions options) {
   // other mistakes leave none behind.
   auto source = open_tum_folder(options.sequence, slam_options.camera);
   auto detector = choose_detector(options, slam_options.camera);
+  RunMap map(options.map, options.localize, slam_options);
+  slam_options.localize_only = !options.localize.empty();
   prepare_run_folder(options.out);
   std::optional<OverlayWriter> overlay;
   if (options.overlay) overlay.emplace(options.out, options.overlay_every);
@@ -146,12 +152,13 @@ void run(RunOptions options) {
   result.options = describe(options);
   result.detector = detector ? detector->name() : "none";
   catch_interrupts();
-  Slam slam(slam_options);
+  Slam slam(slam_options, map.take_stored());
+  map.begin(slam.map());
   {
     const std::optional<std::size_t> frames = source->size();
     FrontEnd front_end(std::move(source), std::move(detector),
                        {slam_options.orb, options.realtime, options.one_at_a_time});
-    result.totals = play(front_end, slam, overlay ? &*overlay : nullptr, frames);
+    result.totals = play(front_end, slam, map, overlay ? &*overlay : nullptr, frames);
   }
   slam.finish(result.totals.interrupted);
   std::vector<Trajectory> paths = slam.trajectories();
@@ -159,6 +166,11 @@ void run(RunOptions options) {
     result.trajectory = std::move(paths.front());
     result.other_paths.assign(std::make_move_iterator(paths.begin() + 1),
                               std::make_move_iterator(paths.end()));
+  }
+  try {
+    map.finish(slam.map());
+  } catch (const Error& error) {
+    if (result.totals.failure.empty()) result.totals.failure = error.what();
   }
   result.keyframes = slam.keyframe_trajectory();
   result.landmarks = slam.map().live_landmarks();
@@ -228,6 +240,13 @@ void add_run_command(CLI::App& program) {
       ->capture_default_str();
   command->add_option("--out", options->out, "Folder for the results; made where missing")
       ->required();
+  auto* map = command->add_option("--map", options->map,
+                                  "Map file: go on with it where it is there, make it where it is "
+                                  "not, and keep it up to date all the time");
+  command
+      ->add_option("--localize", options->localize,
+                   "Map file: only find the camera in it, and leave it as it is")
+      ->excludes(map);
   auto* overlay = command->add_flag("--overlay", options->overlay,
                                     "Pictures of boxes, masks and features in OUT/overlay");
   command->add_option("--overlay-every", options->overlay_every, "Frames from picture to picture")

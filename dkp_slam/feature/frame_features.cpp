@@ -63,6 +63,25 @@ FrameFeatures::FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth_image,
   build_grid();
 }
 
+FrameFeatures::FrameFeatures(const Camera& camera, std::vector<cv::Point2f> pixels,
+                             std::vector<float> depths, std::vector<std::uint8_t> levels,
+                             std::vector<float> angles, std::vector<Descriptor> descriptors)
+    : pixel(std::move(pixels)),
+      seen_pixel(pixel),
+      depth(std::move(depths)),
+      level(std::move(levels)),
+      angle(std::move(angles)),
+      descriptor(std::move(descriptors)),
+      columns_(camera.width / cell + 1),
+      rows_(camera.height / cell + 1) {
+  raw_pixel.reserve(pixel.size());
+  for (const cv::Point2f& p : pixel) {
+    const Eigen::Vector2d raw = camera.distort({p.x, p.y});
+    raw_pixel.emplace_back(static_cast<float>(raw.x()), static_cast<float>(raw.y()));
+  }
+  build_grid();
+}
+
 FrameFeatures FrameFeatures::subset(const std::vector<char>& keep) const {
   FrameFeatures out;
   out.pixel = selected(pixel, keep);

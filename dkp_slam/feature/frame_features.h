@@ -23,6 +23,12 @@ class FrameFeatures {
   /// moment, and carried back. Identity reads straight through.
   FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth, const Camera& camera,
                 const Se3& depth_from_colour = {});
+  /// From stored values, all of one length: `pixel` undistorted, depth, level, angle and descriptor
+  /// as in the members below. Where the pixels were before a correction for the rolling shutter is
+  /// not known any more; they are taken as never corrected.
+  FrameFeatures(const Camera& camera, std::vector<cv::Point2f> pixel, std::vector<float> depth,
+                std::vector<std::uint8_t> level, std::vector<float> angle,
+                std::vector<Descriptor> descriptor);
 
   /// Those features whose flag is set, in their order.
   FrameFeatures subset(const std::vector<char>& keep) const;

@@ -77,6 +77,26 @@ TEST(FrameFeatures, DepthOfAnotherMomentIsCarriedBack) {
   EXPECT_NEAR(features.depth[2], 3.01F, 1e-5);
 }
 
+TEST(FrameFeatures, ComeBackFromTheirParts) {
+  Camera camera = plain_camera();
+  camera.distortion.k1 = 0.1;
+  FrameFeatures all(random_features(30), cv::Mat(480, 640, CV_32F, cv::Scalar(2.0)), camera);
+  all.correct_rolling_shutter(camera, Vector6d::Zero());
+  const FrameFeatures back(camera, all.pixel, all.depth, all.level, all.angle, all.descriptor);
+  ASSERT_EQ(back.size(), 30);
+  EXPECT_EQ(back.depth, all.depth);
+  EXPECT_EQ(back.descriptor, all.descriptor);
+  std::vector<int> expected, found;
+  for (std::size_t i = 0; i < 30; ++i) {
+    EXPECT_EQ(back.seen_pixel[i], all.seen_pixel[i]);  // it was corrected by nothing
+    EXPECT_NEAR(back.raw_pixel[i].x, all.raw_pixel[i].x, 0.02);
+    EXPECT_NEAR(back.raw_pixel[i].y, all.raw_pixel[i].y, 0.02);
+    all.find(all.pixel[i], 40.0F, 0, 7, expected);
+    back.find(all.pixel[i], 40.0F, 0, 7, found);
+    EXPECT_EQ(found, expected);
+  }
+}
+
 TEST(FrameFeatures, SubsetKeepsWhatIsFlagged) {
   const FrameFeatures all(random_features(30), cv::Mat::zeros(480, 640, CV_32F), plain_camera());
   std::vector<char> keep(30, 0);

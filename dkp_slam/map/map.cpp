@@ -7,14 +7,54 @@
 namespace dkp_slam {
 namespace {
 
-constexpr int least_shared = 15;  // landmarks that make two keyframes neighbours, as in ORB-SLAM
+/// Whom a keyframe shares most landmarks with, the first of several.
+std::map<int, int>::const_iterator most_shared(const std::map<int, int>& shared) {
+  return std::max_element(shared.begin(), shared.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; });
+}
 
 }  // namespace
 
 Map::Map(const Camera& camera, float level_scale, int levels)
-    : camera_(camera), log_scale_(std::log(level_scale)) {
+    : camera_(camera), level_scale_(level_scale), log_scale_(std::log(level_scale)) {
   float scale = 1.0F;
   for (int i = 0; i < levels; ++i, scale *= level_scale) scales_.push_back(scale);
+}
+
+Map::Map(MapParts parts) : Map(parts.camera, parts.level_scale, parts.levels) {
+  live_in_map_.assign(static_cast<std::size_t>(parts.maps), 0);
+  for (const Keyframe& k : parts.keyframes) ++live_in_map_[static_cast<std::size_t>(k.map)];
+  current_map_ = parts.current_map;
+  live_keyframes_ = static_cast<int>(parts.keyframes.size());
+  live_landmarks_ = static_cast<int>(parts.landmarks.size());
+  for (int id = 0; id < parts.landmark_ids; ++id) landmarks_.emplace_back(nullptr);
+  for (Landmark& l : parts.landmarks) {
+    landmarks_[static_cast<std::size_t>(l.id)].now = std::make_unique<Landmark>(std::move(l));
+  }
+  for (int id = 0; id < parts.keyframe_ids; ++id) {
+    keyframes_.emplace_back();
+    keyframes_.back().id = id;
+    keyframes_.back().removed = true;
+  }
+  for (Keyframe& k : parts.keyframes) {
+    for (std::size_t f = 0; f < k.landmarks.size(); ++f) {
+      if (k.landmarks[f] >= 0)
+        landmark(k.landmarks[f]).sightings.push_back({k.id, static_cast<int>(f)});
+    }
+    keyframe(k.id) = std::move(k);
+  }
+  for (Keyframe& k : keyframes_) {
+    const std::map<int, int> shared = shared_landmarks(k.id);
+    const auto best = most_shared(shared);
+    for (auto it = shared.begin(); it != shared.end(); ++it) {
+      if (it->second < least_shared && it != best) continue;
+      k.covisible[it->first] = it->second;
+      keyframe(it->first).covisible[k.id] = it->second;
+    }
+  }
+  for (int id = 0; id < parts.landmark_ids; ++id) {
+    if (has_landmark(id)) refresh(id);
+  }
 }
 
 int Map::start_map() {
@@ -140,20 +180,23 @@ int Map::resolve(int id) const {
   return id;
 }
 
-void Map::update_covisibility(int keyframe_id) {
+std::map<int, int> Map::shared_landmarks(int keyframe_id) const {
   std::map<int, int> shared;
-  Keyframe& k = keyframe(keyframe_id);
-  for (const int landmark_id : k.landmarks) {
+  for (const int landmark_id : keyframe(keyframe_id).landmarks) {
     if (landmark_id < 0) continue;
     for (const Sighting& s : landmark(landmark_id).sightings) {
       if (s.keyframe != keyframe_id) ++shared[s.keyframe];
     }
   }
+  return shared;
+}
+
+void Map::update_covisibility(int keyframe_id) {
+  Keyframe& k = keyframe(keyframe_id);
+  const std::map<int, int> shared = shared_landmarks(keyframe_id);
   for (const auto& [other, count] : k.covisible) keyframe(other).covisible.erase(keyframe_id);
   k.covisible.clear();
-  const auto best =
-      std::max_element(shared.begin(), shared.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto best = most_shared(shared);
   for (auto it = shared.begin(); it != shared.end(); ++it) {
     if (it->second < least_shared && it != best) continue;
     k.covisible[it->first] = it->second;

@@ -7,6 +7,7 @@
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/map/keyframe.h"
 #include "dkp_slam/map/landmark.h"
+#include "dkp_slam/map/map_parts.h"
 
 namespace dkp_slam {
 
@@ -24,6 +25,10 @@ namespace dkp_slam {
 class Map {
  public:
   Map(const Camera& camera, float level_scale, int levels);
+  /// A map from its parts, which `check` has nothing against: sightings, covisibility and what
+  /// `refresh` knows are computed anew. Ids that are missing are those of removed keyframes, of
+  /// which not even the pose is known any more, and of removed landmarks.
+  explicit Map(MapParts parts);
 
   Keyframe& keyframe(int id) { return keyframes_[static_cast<std::size_t>(id)]; }
   const Keyframe& keyframe(int id) const { return keyframes_[static_cast<std::size_t>(id)]; }
@@ -87,6 +92,7 @@ class Map {
   Se3 keyframe_pose(int id) const;
 
   const Camera& camera() const { return camera_; }
+  float level_scale() const { return level_scale_; }
   float scale_of(int level) const { return scales_[static_cast<std::size_t>(level)]; }
   int levels() const { return static_cast<int>(scales_.size()); }
 
@@ -104,7 +110,13 @@ class Map {
     LandmarkSlot& operator=(const LandmarkSlot& other) { return *this = LandmarkSlot(other); }
   };
 
+  /// Landmarks that make two keyframes neighbours, as in ORB-SLAM.
+  static constexpr int least_shared = 15;
+  /// Other keyframe -> number of landmarks both see, at this moment.
+  std::map<int, int> shared_landmarks(int keyframe) const;
+
   Camera camera_;
+  float level_scale_;
   std::vector<float> scales_;
   float log_scale_;
   std::deque<Keyframe> keyframes_;

@@ -7,9 +7,9 @@
 namespace dkp_slam {
 namespace {
 
-template <class Options>
-Options with_seed(Options options, std::uint64_t seed) {
-  options.seed = seed;
+DynamicsOptions dynamics_options(const SlamOptions& all) {
+  DynamicsOptions options = all.dynamics;
+  options.seed = all.seed;
   return options;
 }
 
@@ -20,15 +20,27 @@ MapperOptions mapper_options(const SlamOptions& all) {
   return options;
 }
 
+TrackerOptions tracker_options(const SlamOptions& all) {
+  TrackerOptions options = all.tracker;
+  options.seed = all.seed;
+  options.localize_only = all.localize_only;
+  return options;
+}
+
 }  // namespace
 
-Slam::Slam(const SlamOptions& options)
+Slam::Slam(const SlamOptions& options, std::optional<Map> stored)
     : options_(options),
-      map_(options.camera, options.orb.scale, options.orb.levels),
+      map_(stored ? std::move(*stored)
+                  : Map(options.camera, options.orb.scale, options.orb.levels)),
+      first_keyframe_(map_.keyframe_ids()),
       mapper_(map_, places_, options.measurement, mapper_options(options)),
-      tracker_(map_, places_, mapper_, options.measurement,
-               with_seed(options.tracker, options.seed)),
-      dynamics_(options.camera, with_seed(options.dynamics, options.seed)) {}
+      tracker_(map_, places_, mapper_, options.measurement, tracker_options(options)),
+      dynamics_(options.camera, dynamics_options(options)) {
+  for (int k = 0; k < first_keyframe_; ++k) {
+    if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
+  }
+}
 
 FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_out) {
   FrameReport report;
@@ -70,7 +82,9 @@ FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_o
   return report;
 }
 
-void Slam::finish(bool hurry) { mapper_.finish(options_.final_adjustment && !hurry); }
+void Slam::finish(bool hurry) {
+  mapper_.finish(options_.final_adjustment && !hurry && !options_.localize_only);
+}
 
 std::vector<int> Slam::maps_in_use() const {
   std::vector<int> frames(static_cast<std::size_t>(map_.maps()), 0), used;
@@ -107,6 +121,7 @@ Trajectory Slam::keyframe_trajectory() const {
   const std::vector<int> used = maps_in_use();
   if (used.empty()) return out;
   for (const int k : map_.keyframes_in(used.front())) {
+    if (k < first_keyframe_) continue;
     out.push_back({map_.keyframe(k).timestamp, map_.keyframe(k).camera_from_world.inverse()});
   }
   return out;

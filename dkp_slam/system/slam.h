@@ -25,6 +25,7 @@ struct SlamOptions {
   /// Adjust the whole map once more at the end, before poses are written.
   bool final_adjustment = true;
   bool realtime = false;
+  bool localize_only = false;  ///< in a stored map, which stays as it is
   std::uint64_t seed = 1;
 };
 
@@ -50,7 +51,8 @@ struct FrameReport {
 /// The whole system: feed it frames in order, then ask for the poses.
 class Slam {
  public:
-  explicit Slam(const SlamOptions& options);
+  /// `stored`: a map to start from, made with this camera (see check_fits).
+  explicit Slam(const SlamOptions& options, std::optional<Map> stored = std::nullopt);
 
   /// Localises one frame and grows the map. `dynamics_out`, when given, receives what was found out
   /// about moving things, for pictures.
@@ -64,7 +66,7 @@ class Slam {
   std::vector<Trajectory> trajectories() const;
   /// The longest of them.
   Trajectory trajectory() const;
-  /// Poses of the keyframes in the map of the longest path.
+  /// Poses of this run's keyframes in the map of the longest path.
   Trajectory keyframe_trajectory() const;
 
   const Map& map() const { return map_; }
@@ -76,7 +78,8 @@ class Slam {
 
   const SlamOptions options_;
   Map map_;
-  PlaceIndex places_;  // follows the map's locking rule: the tracking thread's alone
+  const int first_keyframe_;  // of this run
+  PlaceIndex places_;         // follows the map's locking rule: the tracking thread's alone
   Mapper mapper_;
   Tracker tracker_;
   DynamicsModule dynamics_;

@@ -48,9 +48,9 @@ struct TrackerOptions {
   /// hand-held camera that is shaken stays under 20 and 60.
   double most_acceleration = 20.0;
   double most_angular_acceleration = 60.0;
-  /// Track in the map as it is and leave it so: no keyframes, no other maps, no evidence.
-  bool localize_only = false;
   LandmarkBelief belief;
+  /// Find the camera in the map that is there, and change nothing in it.
+  bool localize_only = false;
   std::uint64_t seed = 1;  ///< of relocalisation's RANSAC
 };
 

@@ -1,0 +1,98 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "apps/commands.h"
+#include "apps/map_report.h"
+#include "dkp_slam/error.h"
+#include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/map/map_file.h"
+#include "dkp_slam/map/map_parts.h"
+
+namespace dkp_slam::apps {
+namespace fs = std::filesystem;
+namespace {
+
+struct MapArguments {
+  std::string file, other;  ///< map files
+  fs::path out;
+  bool json = false;
+};
+
+void print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw Error("cannot write to the standard output; send it elsewhere");
+}
+
+void show(const MapArguments& arguments) {
+  const StoredMap stored = read_map(arguments.file);
+  print(arguments.json ? map_json(stored).dump(2) + "\n" : map_text(stored));
+}
+
+void export_files(const MapArguments& arguments) {
+  const Map map = read_map(arguments.file).map;
+  std::error_code error;
+  fs::create_directories(arguments.out, error);
+  if (error) {
+    throw Error(fmt::format("cannot make the output folder {}: {}; choose another --out",
+                            arguments.out.string(), error.message()));
+  }
+  std::vector<std::string> names{"landmarks.ply"};
+  write_file_atomically(arguments.out / names.front(), landmarks_ply(map));
+  for (const MapSummary& m : summaries_of(map)) {
+    names.push_back(fmt::format("keyframes_{}.txt", m.id));
+    write_trajectory(arguments.out / names.back(), keyframes_of(map, m.id));
+  }
+  print(fmt::format("in {}: {}\n", arguments.out.string(), fmt::join(names, ", ")));
+}
+
+void merge(const MapArguments& arguments) {
+  if (fs::exists(arguments.out)) {
+    throw Error(fmt::format("{}: is there already; choose another --out", arguments.out.string()));
+  }
+  const StoredMap a = read_map(arguments.file), b = read_map(arguments.other);
+  check_fits(b, a.map.camera(), a.map.level_scale(), a.map.levels());
+  const Map both(merged(parts_of(a.map), parts_of(b.map)));
+  save_map(arguments.out, both);
+  print(map_text(read_map(arguments.out)));
+  print(fmt::format("maps of {} and {} lie side by side, each in its own world frame\n",
+                    arguments.file, arguments.other));
+}
+
+}  // namespace
+
+void add_map_command(CLI::App& program) {
+  auto* command =
+      program.add_subcommand("map", "Look at map files, take out or merge what they hold.");
+  command->require_subcommand(1);
+  const auto arguments = std::make_shared<MapArguments>();
+
+  auto* info = command->add_subcommand("info", "What a map file holds, checked as for a run");
+  info->add_option("FILE", arguments->file, "Map file")->required();
+  info->add_flag("--json", arguments->json, "As JSON");
+  info->callback([arguments] { show(*arguments); });
+
+  auto* exporter = command->add_subcommand(
+      "export",
+      "Landmarks as a point cloud (landmarks.ply) and the keyframes of each map "
+      "(keyframes_ID.txt, TUM format)");
+  exporter->add_option("FILE", arguments->file, "Map file")->required();
+  exporter->add_option("--out", arguments->out, "Folder for the files; made where missing")
+      ->required();
+  exporter->callback([arguments] { export_files(*arguments); });
+
+  auto* merger = command->add_subcommand("merge", "The maps of two files in a new one");
+  merger->add_option("A", arguments->file, "Map file")->required();
+  merger->add_option("B", arguments->other, "Another, made with the same camera")->required();
+  merger->add_option("--out", arguments->out, "File to make")->required();
+  merger->callback([arguments] { merge(*arguments); });
+}
+
+}  // namespace dkp_slam::apps

@@ -1,0 +1,78 @@
+// Measures what it costs to keep a map file up to date, and to read it: a generated map grows, and
+// every update has two keyframes more to write.
+
+#include <algorithm>
+#include <ctime>
+#include <filesystem>
+#include <thread>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "dkp_slam/map/map_writer.h"
+#include "dkp_slam/map/test_map.h"
+
+namespace dkp_slam {
+namespace {
+
+struct BenchOptions {
+  std::filesystem::path file;
+  int keyframes = 2000;
+  int features = 300;
+  int updates = 10;
+};
+
+/// Time of this thread on a processor, so that what else the machine does counts little.
+double cpu_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
+}
+
+void measure(const BenchOptions& options) {
+  testing::GrowingMap grown(options.features);
+  while (grown.map.live_keyframes() < options.keyframes) grown.step();
+  MapWriter writer(options.file, grown.map);
+  const auto update_ms = [&] {
+    while (!writer.due()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const double start = cpu_ms();
+    writer.update(grown.map);
+    return cpu_ms() - start;
+  };
+  const double first = update_ms();
+  std::vector<double> later;
+  for (int i = 0; i < options.updates; ++i) {
+    grown.grow_to(grown.steps() + 2);
+    later.push_back(update_ms());
+  }
+  std::sort(later.begin(), later.end());
+  writer.finish(grown.map);
+  const auto bytes = static_cast<double>(std::filesystem::file_size(options.file));
+  const double start = cpu_ms();
+  const StoredMap stored = read_map(options.file);
+  fmt::print(
+      "{} keyframes with {} features, {} landmarks: update of all {:.1f} ms, of two keyframes "
+      "median {:.2f} ms (most {:.2f}); file {:.1f} MB, {:.1f} kB a keyframe; read in {:.0f} ms\n",
+      stored.map.live_keyframes(), options.features, stored.map.live_landmarks(), first,
+      later[later.size() / 2], later.back(), bytes / 1e6, bytes / 1e3 / stored.map.live_keyframes(),
+      cpu_ms() - start);
+}
+
+}  // namespace
+}  // namespace dkp_slam
+
+int main(int argc, char** argv) {
+  CLI::App program("Cost of a map file, milliseconds of processor time");
+  dkp_slam::BenchOptions options;
+  program.add_option("FILE", options.file, "To be made")->required();
+  program.add_option("--keyframes", options.keyframes)->capture_default_str();
+  program.add_option("--features", options.features)->capture_default_str();
+  program.add_option("--updates", options.updates)->capture_default_str();
+  CLI11_PARSE(program, argc, argv);
+  try {
+    dkp_slam::measure(options);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "map_bench: {}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,241 @@
+#include "dkp_slam/map/map_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "dkp_slam/map/map.h"
+
+namespace dkp_slam {
+namespace {
+
+// Bounds of what is plausible: a wrong number must not make the program ask for all memory.
+constexpr int most_keyframe_ids = 10'000'000;
+constexpr int most_landmark_ids = 200'000'000;
+constexpr float most_pixels = 1e6F;
+
+bool plausible(const Se3& pose) {
+  return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
+         std::abs(pose.rotation.norm() - 1.0) < 1e-6;
+}
+
+template <class Item>
+bool ids_in_order(const std::vector<Item>& items, int ids) {
+  int last = -1;
+  for (const Item& item : items) {
+    if (item.id <= last || item.id >= ids) return false;
+    last = item.id;
+  }
+  return true;
+}
+
+/// Which ids of `ids` the items have.
+template <class Item>
+std::vector<char> present(const std::vector<Item>& items, int ids) {
+  std::vector<char> flags(static_cast<std::size_t>(ids), 0);
+  for (const Item& item : items) flags[static_cast<std::size_t>(item.id)] = 1;
+  return flags;
+}
+
+bool has(const std::vector<char>& flags, int id) {
+  return id >= 0 && id < static_cast<int>(flags.size()) && flags[static_cast<std::size_t>(id)];
+}
+
+std::optional<std::string> problem_of(const FrameFeatures& features, int levels) {
+  const std::size_t count = features.pixel.size();
+  for (const std::size_t other : {features.depth.size(), features.level.size(),
+                                  features.angle.size(), features.descriptor.size()}) {
+    if (other != count) return "its features' lists differ in length";
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const cv::Point2f& p = features.pixel[i];
+    const float depth = features.depth[i];
+    if (!(std::abs(p.x) < most_pixels && std::abs(p.y) < most_pixels))
+      return fmt::format("feature {} lies nowhere", i);
+    if (!std::isfinite(depth) || depth < 0.0F || !std::isfinite(features.angle[i]))
+      return fmt::format("feature {} has an impossible depth or angle", i);
+    if (features.level[i] >= levels) return fmt::format("feature {} is on no level", i);
+  }
+  return std::nullopt;
+}
+
+/// True when some keyframe is its own ancestor.
+bool has_cycle(const std::vector<Keyframe>& keyframes, int ids) {
+  std::vector<int> parent(static_cast<std::size_t>(ids), -1);
+  for (const Keyframe& k : keyframes) parent[static_cast<std::size_t>(k.id)] = k.parent;
+  std::vector<int> visit(static_cast<std::size_t>(ids), -1);  // the walk that came by first
+  for (const Keyframe& start : keyframes) {
+    for (int k = start.id; k >= 0; k = parent[static_cast<std::size_t>(k)]) {
+      int& seen = visit[static_cast<std::size_t>(k)];
+      if (seen == start.id) return true;
+      if (seen >= 0) break;
+      seen = start.id;
+    }
+  }
+  return false;
+}
+
+/// `last_seen_by`: per landmark, the keyframe of the checked ones that saw it last.
+std::optional<std::string> problem_of(const Keyframe& k, const MapParts& parts,
+                                      const std::vector<char>& has_landmark,
+                                      std::vector<int>& last_seen_by) {
+  if (k.map < 0 || k.map >= parts.maps) return fmt::format("it belongs to no map ({})", k.map);
+  if (!std::isfinite(k.timestamp)) return "its time stamp is no number";
+  if (!plausible(k.camera_from_world)) return "its pose is none";
+  if (auto problem = problem_of(k.features, parts.levels)) return problem;
+  if (static_cast<int>(k.landmarks.size()) != k.features.size())
+    return "it has not as many landmark ids as features";
+  for (const int l : k.landmarks) {
+    if (l == -1) continue;
+    if (!has(has_landmark, l)) return fmt::format("it sees landmark {}, which is not there", l);
+    int& seen_by = last_seen_by[static_cast<std::size_t>(l)];
+    if (seen_by == k.id) return fmt::format("it sees landmark {} twice", l);
+    seen_by = k.id;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> problem_of(const Landmark& l, const MapParts& parts) {
+  if (!l.position.allFinite()) return "its position is none";
+  if (l.first_keyframe < 0 || l.first_keyframe >= parts.keyframe_ids) return "no keyframe made it";
+  if (l.visible < 1 || l.found < 1 || !std::isfinite(l.dynamic_log_odds))
+    return "its counts are impossible";
+  return std::nullopt;
+}
+
+/// A landmark without what follows from the keyframes.
+Landmark stripped(const Landmark& l) {
+  Landmark out;
+  out.id = l.id;
+  out.position = l.position;
+  out.first_keyframe = l.first_keyframe;
+  out.visible = l.visible;
+  out.found = l.found;
+  out.dynamic_log_odds = l.dynamic_log_odds;
+  return out;
+}
+
+}  // namespace
+
+std::optional<std::string> MapParts::check() const {
+  if (const auto reason = camera.check()) return "camera: " + *reason;
+  if (levels < 1 || levels > 64 || !(level_scale > 1.0F && level_scale < 10.0F))
+    return "no sensible pyramid of levels";
+  if (keyframe_ids < 0 || keyframe_ids > most_keyframe_ids || landmark_ids < 0 ||
+      landmark_ids > most_landmark_ids)
+    return "no sensible number of keyframes and landmarks";
+  if (maps < 1 || maps > most_keyframe_ids || current_map < 0 || current_map >= maps)
+    return "no sensible number of maps";
+  if (!ids_in_order(keyframes, keyframe_ids)) return "the keyframes' ids are out of range";
+  if (!ids_in_order(landmarks, landmark_ids)) return "the landmarks' ids are out of range";
+
+  const std::vector<char> has_landmark = present(landmarks, landmark_ids);
+  const std::vector<char> has_keyframe = present(keyframes, keyframe_ids);
+  std::vector<int> last_seen_by(static_cast<std::size_t>(landmark_ids), -1);
+  for (const Keyframe& k : keyframes) {
+    if (const auto problem = problem_of(k, *this, has_landmark, last_seen_by))
+      return fmt::format("keyframe {}: {}", k.id, *problem);
+    if (k.parent != -1 && !has(has_keyframe, k.parent))
+      return fmt::format("keyframe {}: its parent {} is not there", k.id, k.parent);
+  }
+  if (has_cycle(keyframes, keyframe_ids)) return "a keyframe is its own ancestor";
+  for (const Landmark& l : landmarks) {
+    if (const auto problem = problem_of(l, *this))
+      return fmt::format("landmark {}: {}", l.id, *problem);
+    if (last_seen_by[static_cast<std::size_t>(l.id)] < 0)
+      return fmt::format("landmark {}: no keyframe sees it", l.id);
+  }
+  return std::nullopt;
+}
+
+std::vector<int> live_ancestors(const Map& map) {
+  constexpr int unknown = -2;
+  const auto at = [](int id) { return static_cast<std::size_t>(id); };
+  std::vector<int> ancestor(at(map.keyframe_ids()), unknown);
+  std::vector<int> path;
+  for (int k = 0; k < map.keyframe_ids(); ++k) {
+    int found = k;
+    path.clear();
+    while (found >= 0 && map.keyframe(found).removed && ancestor[at(found)] == unknown) {
+      path.push_back(found);
+      found = map.keyframe(found).parent;
+    }
+    if (found >= 0 && map.keyframe(found).removed) found = ancestor[at(found)];
+    for (const int p : path) ancestor[at(p)] = found;
+    if (!map.keyframe(k).removed) ancestor[at(k)] = k;
+  }
+  return ancestor;
+}
+
+MapParts parts_of(const Map& map) {
+  MapParts parts;
+  parts.camera = map.camera();
+  parts.level_scale = map.level_scale();
+  parts.levels = map.levels();
+  parts.keyframe_ids = map.keyframe_ids();
+  parts.landmark_ids = map.landmark_ids();
+  parts.maps = map.maps();
+  parts.current_map = map.current_map();
+  const std::vector<int> ancestor = live_ancestors(map);
+  for (int id = 0; id < map.keyframe_ids(); ++id) {
+    const Keyframe& k = map.keyframe(id);
+    if (k.removed) continue;
+    parts.keyframes.push_back(k);
+    parts.keyframes.back().covisible.clear();
+    parts.keyframes.back().parent =
+        k.parent < 0 ? -1 : ancestor[static_cast<std::size_t>(k.parent)];
+  }
+  for (int id = 0; id < map.landmark_ids(); ++id) {
+    if (map.has_landmark(id)) parts.landmarks.push_back(stripped(map.landmark(id)));
+  }
+  return parts;
+}
+
+MapParts merged(MapParts a, MapParts b) {
+  for (Keyframe& k : b.keyframes) {
+    k.id += a.keyframe_ids;
+    k.map += a.maps;
+    if (k.parent >= 0) k.parent += a.keyframe_ids;
+    for (int& l : k.landmarks) {
+      if (l >= 0) l += a.landmark_ids;
+    }
+    a.keyframes.push_back(std::move(k));
+  }
+  for (Landmark& l : b.landmarks) {
+    l.id += a.landmark_ids;
+    l.first_keyframe += a.keyframe_ids;
+    a.landmarks.push_back(std::move(l));
+  }
+  a.current_map = a.maps + b.current_map;
+  a.keyframe_ids += b.keyframe_ids;
+  a.landmark_ids += b.landmark_ids;
+  a.maps += b.maps;
+  return a;
+}
+
+std::optional<std::string> difference_of(const Camera& a, const Camera& b) {
+  const std::pair<const char*, std::pair<double, double>> values[] = {
+      {"width", {a.width, b.width}},
+      {"height", {a.height, b.height}},
+      {"fx", {a.fx, b.fx}},
+      {"fy", {a.fy, b.fy}},
+      {"cx", {a.cx, b.cx}},
+      {"cy", {a.cy, b.cy}},
+      {"distortion k1", {a.distortion.k1, b.distortion.k1}},
+      {"distortion k2", {a.distortion.k2, b.distortion.k2}},
+      {"distortion p1", {a.distortion.p1, b.distortion.p1}},
+      {"distortion p2", {a.distortion.p2, b.distortion.p2}},
+      {"distortion k3", {a.distortion.k3, b.distortion.k3}},
+      {"baseline", {a.baseline, b.baseline}},
+      {"readout", {a.readout, b.readout}},
+  };
+  for (const auto& [name, value] : values) {
+    if (value.first != value.second)
+      return fmt::format("{} is {} there and {} here", name, value.first, value.second);
+  }
+  return std::nullopt;
+}
+
+}  // namespace dkp_slam

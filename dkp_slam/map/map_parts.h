@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/map/keyframe.h"
+#include "dkp_slam/map/landmark.h"
+
+namespace dkp_slam {
+
+class Map;
+
+/// What a map is made of, as plain values: all that cannot be computed from the rest.
+struct MapParts {
+  Camera camera;
+  float level_scale = 1.2F;
+  int levels = 8;
+  int keyframe_ids = 0;  ///< ids given so far, those of removed ones among them
+  int landmark_ids = 0;
+  int maps = 1;
+  int current_map = 0;
+  /// Those in the map, by id. Of each: id, map, frame_index, timestamp, camera_from_world,
+  /// features, landmarks, and as parent its nearest ancestor in the map or -1.
+  std::vector<Keyframe> keyframes;
+  /// Those in the map, by id. Of each: id, position, first_keyframe, visible, found and
+  /// dynamic_log_odds.
+  std::vector<Landmark> landmarks;
+
+  /// Why these make no map, one line, or nothing when they do. Finds everything that would let the
+  /// map's functions fail later: ids out of order or unknown, numbers that are not finite, lists
+  /// of different length, a landmark seen twice by one keyframe or by none.
+  std::optional<std::string> check() const;
+};
+
+/// The parts of a map; `Map(parts_of(map))` is the same map with everything that was computed
+/// computed anew.
+MapParts parts_of(const Map& map);
+
+/// Both side by side, as maps of their own. What belongs to `b` gets other ids: keyframes,
+/// landmarks and maps are counted on from those of `a`. Cameras must be alike (see difference_of).
+/// New keyframes go to where they went in `b`.
+MapParts merged(MapParts a, MapParts b);
+
+/// What differs between two cameras so that a map made with one is none for the other, one line
+/// with both values; nothing when they are alike. What only concerns the reading of images is left
+/// out.
+std::optional<std::string> difference_of(const Camera& a, const Camera& b);
+
+/// Per keyframe id: the keyframe itself, or its nearest ancestor in the map where it has been
+/// removed; -1 for none.
+std::vector<int> live_ancestors(const Map& map);
+
+}  // namespace dkp_slam
