@@ -204,6 +204,10 @@ void EmbreeScene::pose_actors(double begin, double end) {
     rtcCommitScene(scene);
   };
   commit(trees_->frozen, trees_->frozen_geometries);
+  // From the first pose's tree on boxes only follow their triangles: a fifth of the work.
+  for (RTCGeometry geometry : trees_->frozen_geometries) {
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+  }
   if (steps > 1 && !actors_.empty()) commit(trees_->moving, trees_->moving_geometries);
 }
 
