@@ -28,7 +28,8 @@ struct Ray {
   float longest = 1e30F;  ///< ends after so many lengths of `direction`
 };
 
-constexpr int packet_size = 8;
+/// As many rays as the widest processors trace at once; on others Embree halves the packets.
+constexpr int packet_size = 16;
 using Rays = std::array<Ray, packet_size>;
 using SurfaceHits = std::array<SurfaceHit, packet_size>;
 

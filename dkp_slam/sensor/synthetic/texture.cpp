@@ -12,6 +12,12 @@
 namespace dkp_slam {
 namespace {
 
+/// As std::clamp, but without branches.
+float limit(float x, float low, float high) {
+  x = x < low ? low : x;
+  return x > high ? high : x;
+}
+
 /// std::floor is a function call on processors of the oldest kind, which we build for.
 int floor_to_int(float x) {
   const auto whole = static_cast<int>(x);
@@ -93,8 +99,8 @@ Texture::Float4 Texture::bilinear(const Level& level, float u, float v) const {
   const auto last_column = static_cast<float>(level.width - 1);
   const auto last_row = static_cast<float>(level.height - 1);
   float x = u * static_cast<float>(level.width) - 0.5F;
-  const float y = std::clamp(v * static_cast<float>(level.height) - 0.5F, 0.0F, last_row);
-  if (!wrap_) x = std::clamp(x, 0.0F, last_column);
+  const float y = limit(v * static_cast<float>(level.height) - 0.5F, 0.0F, last_row);
+  if (!wrap_) x = limit(x, 0.0F, last_column);
   int column = floor_to_int(x);
   const float right = x - static_cast<float>(column);
   if (column < 0 || column >= level.width) {
