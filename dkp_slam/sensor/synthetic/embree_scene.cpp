@@ -211,14 +211,15 @@ void EmbreeScene::pose_actors(double begin, double end) {
   if (steps > 1 && !actors_.empty()) commit(trees_->moving, trees_->moving_geometries);
 }
 
-SurfaceHits EmbreeScene::trace(const Rays& rays, int count, What what) const {
+SurfaceHits EmbreeScene::trace(const Rays& rays, int count, What what, bool alike) const {
   RTCRayHit16 packet;
   alignas(64) int valid[packet_size];
   fill(rays, count, &packet.ray, valid);
   std::fill_n(packet.hit.geomID, packet_size, RTC_INVALID_GEOMETRY_ID);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.flags =
+      alike ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   // The second search begins with what the first one found: the nearer hit stays.
   if (what != What::frozen) rtcIntersect16(valid, trees_->still, &context, &packet);
   if (what != What::still && !actors_.empty()) {
