@@ -244,11 +244,13 @@ void FramePainter::mark(int x, int y, const Vector2f& motion) {
   const float length = std::min(motion.norm(), farthest);
   const int samples =
       std::clamp(static_cast<int>(std::ceil(length)), samples_, std::max(samples_, most_samples));
-  const int steps = static_cast<int>(std::ceil(length));
+  // Half a pixel of the way to either side ends within the two pixels that meet at the edge.
+  const float spread = std::max(length - 1.0F, 0.0F);
+  const int steps = static_cast<int>(std::ceil(spread));
   for (int i = 0; i <= steps; ++i) {
     const float along =
         steps == 0 ? 0.0F : static_cast<float>(i) / static_cast<float>(steps) - 0.5F;
-    const float share = motion.norm() > 0.0F ? along * length / motion.norm() : 0.0F;
+    const float share = motion.norm() > 0.0F ? along * spread / motion.norm() : 0.0F;
     const int at_x = x + cvRound(share * motion.x()), at_y = y + cvRound(share * motion.y());
     if (at_x < 0 || at_y < 0 || at_x >= camera_.width || at_y >= camera_.height) continue;
     auto& most = buffers_.samples.at<std::uint8_t>(at_y, at_x);
