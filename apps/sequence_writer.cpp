@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <fstream>
 #include <thread>
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/detection/true_detections.h"
@@ -14,6 +15,7 @@
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/sensor/png_encoder.h"
 
 namespace dkp_slam::apps {
 namespace {
@@ -21,12 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 
 void write_image(const fs::path& path, const cv::Mat& image) {
-  bool written = false;
-  try {
-    written = cv::imwrite(path.string(), image);
-  } catch (const cv::Exception&) {
-  }
-  if (!written) throw Error(path.string() + ": cannot write; is the disk full?");
+  const std::vector<std::uint8_t> bytes = encode_png(image);
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) throw Error(path.string() + ": cannot write; is the disk full?");
 }
 
 /// Frames' stamps and every hundredth of a second between, each moment once.

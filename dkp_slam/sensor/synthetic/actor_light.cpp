@@ -124,22 +124,23 @@ Light ActorLight::at(const SurfaceHit& hit) const {
 float light_lost_to_actors(const EmbreeScene& scene, const Lamps& lamps, const Vector3f& point,
                            const Vector3f& normal) {
   // Eight places on a lamp, one in each column and row of a grid (eight rooks).
-  constexpr float places[packet_size][2] = {
-      {-0.875F, -0.125F}, {-0.625F, 0.625F}, {-0.375F, -0.625F}, {-0.125F, 0.125F},
-      {0.125F, 0.875F},   {0.375F, -0.375F}, {0.625F, 0.375F},   {0.875F, -0.875F}};
+  constexpr int count = 8;
+  constexpr float places[count][2] = {{-0.875F, -0.125F}, {-0.625F, 0.625F}, {-0.375F, -0.625F},
+                                      {-0.125F, 0.125F},  {0.125F, 0.875F},  {0.375F, -0.375F},
+                                      {0.625F, 0.375F},   {0.875F, -0.875F}};
   const Vector3f from = point + off_the_wall * normal;
   float lost = 0.0F;
   for (int lamp = 0; lamp < lamps.count(); ++lamp) {
     const float strength = lamps.strength(lamp, point, normal);
     if (strength <= 0.0F) continue;
     Rays rays;
-    for (std::size_t i = 0; i < packet_size; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       rays[i] = lamps.towards(lamp, from, places[i][0], places[i][1]);
     }
-    unsigned shaded = scene.blocked(rays, packet_size, EmbreeScene::What::frozen);
+    unsigned shaded = scene.blocked(rays, count, EmbreeScene::What::frozen);
     // What furniture keeps away already, actors cannot keep away again.
-    if (shaded != 0) shaded &= ~scene.blocked(rays, packet_size, EmbreeScene::What::still);
-    lost += strength * static_cast<float>(std::popcount(shaded)) / packet_size;
+    if (shaded != 0) shaded &= ~scene.blocked(rays, count, EmbreeScene::What::still);
+    lost += strength * static_cast<float>(std::popcount(shaded)) / count;
   }
   return lost;
 }

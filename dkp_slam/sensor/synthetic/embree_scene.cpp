@@ -204,22 +204,27 @@ void EmbreeScene::pose_actors(double begin, double end) {
     rtcCommitScene(scene);
   };
   commit(trees_->frozen, trees_->frozen_geometries);
+  // From the first pose's tree on boxes only follow their triangles: a fifth of the work.
+  for (RTCGeometry geometry : trees_->frozen_geometries) {
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+  }
   if (steps > 1 && !actors_.empty()) commit(trees_->moving, trees_->moving_geometries);
 }
 
-SurfaceHits EmbreeScene::trace(const Rays& rays, int count, What what) const {
-  RTCRayHit8 packet;
-  alignas(32) int valid[packet_size];
+SurfaceHits EmbreeScene::trace(const Rays& rays, int count, What what, bool alike) const {
+  RTCRayHit16 packet;
+  alignas(64) int valid[packet_size];
   fill(rays, count, &packet.ray, valid);
   std::fill_n(packet.hit.geomID, packet_size, RTC_INVALID_GEOMETRY_ID);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.flags =
+      alike ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   // The second search begins with what the first one found: the nearer hit stays.
-  if (what != What::frozen) rtcIntersect8(valid, trees_->still, &context, &packet);
+  if (what != What::frozen) rtcIntersect16(valid, trees_->still, &context, &packet);
   if (what != What::still && !actors_.empty()) {
     const bool moving = what == What::still_and_moving && trees_->time_steps > 1;
-    rtcIntersect8(valid, moving ? trees_->moving : trees_->frozen, &context, &packet);
+    rtcIntersect16(valid, moving ? trees_->moving : trees_->frozen, &context, &packet);
   }
   SurfaceHits hits;
   for (int i = 0; i < count; ++i) {
@@ -232,16 +237,16 @@ SurfaceHits EmbreeScene::trace(const Rays& rays, int count, What what) const {
 }
 
 unsigned EmbreeScene::blocked(const Rays& rays, int count, What what) const {
-  RTCRay8 packet;
-  alignas(32) int valid[packet_size];
+  RTCRay16 packet;
+  alignas(64) int valid[packet_size];
   fill(rays, count, &packet, valid);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  if (what != What::frozen) rtcOccluded8(valid, trees_->still, &context, &packet);
+  if (what != What::frozen) rtcOccluded16(valid, trees_->still, &context, &packet);
   if (what != What::still && !actors_.empty()) {
     // A ray that is blocked already has a negative end and is skipped.
     for (int i = 0; i < packet_size; ++i) valid[i] = packet.tfar[i] < 0.0F ? 0 : valid[i];
-    rtcOccluded8(valid, trees_->frozen, &context, &packet);
+    rtcOccluded16(valid, trees_->frozen, &context, &packet);
   }
   unsigned bits = 0;
   for (int i = 0; i < count; ++i) bits |= packet.tfar[i] < 0.0F ? 1U << i : 0U;

@@ -1,6 +1,7 @@
 #include "dkp_slam/sensor/synthetic/frame_painter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -15,6 +16,8 @@ using Eigen::Vector2f;
 using Eigen::Vector3f;
 
 constexpr int most_samples = 16;          // of a pixel, however fast things move
+constexpr float still = 0.3F;             // pixels: a way over the exposure that none sees
+constexpr float blurring = 2.0F;          // pixels: one that takes more than a pixel's filter
 constexpr int most_taps = 12;             // of a texture along its motion
 constexpr int most_filter_taps = 6;       // of a texture across a slanted view
 constexpr int few_taps = 2;               // of them, where several samples share the work
@@ -33,24 +36,47 @@ float pixel_share(int x, int y) {
   return static_cast<float>((h ^ (h >> 15U)) >> 8U) * 0x1p-24F;
 }
 
-/// Place of a sample in its pixel, -1/2..1/2: the sequence of Roberts 2018 ("The unreasonable
-/// effectiveness of quasirandom sequences"), which fills a square evenly for any count.
-Vector2f sample_offset(int k) {
-  const double a = 0.5 + 0.7548776662466927 * (k + 1), b = 0.5 + 0.5698402909980532 * (k + 1);
-  return {static_cast<float>(a - std::floor(a) - 0.5), static_cast<float>(b - std::floor(b) - 0.5)};
-}
+/// Places of samples in their pixel, -1/2..1/2 and 0 on average.
+class SampleOffsets {
+ public:
+  /// The sequence of Roberts 2018 ("The unreasonable effectiveness of quasirandom sequences"),
+  /// which fills a square evenly for any count.
+  SampleOffsets() {
+    for (int count = 1; count <= most_samples; ++count) {
+      auto& offsets = offsets_[static_cast<std::size_t>(count)];
+      Vector2f mean = Vector2f::Zero();
+      for (int k = 0; k < count; ++k) {
+        const double a = 0.7548776662466927 * (k + 1), b = 0.5698402909980532 * (k + 1);
+        offsets[static_cast<std::size_t>(k)] = {static_cast<float>(a - std::floor(a)),
+                                                static_cast<float>(b - std::floor(b))};
+        mean += offsets[static_cast<std::size_t>(k)] / static_cast<float>(count);
+      }
+      for (Vector2f& offset : offsets) offset -= mean;
+    }
+  }
+  const Vector2f& at(int sample, int count) const {
+    return offsets_[static_cast<std::size_t>(count)][static_cast<std::size_t>(sample)];
+  }
+
+ private:
+  std::array<std::array<Vector2f, most_samples>, most_samples + 1> offsets_;
+};
 
 }  // namespace
 
 FramePainter::FramePainter(const LitScene& scene, const Camera& camera, const PixelRays& pixels,
-                           const Shutter& shutter, const LampBrightness& brightness, int samples)
+                           const Shutter& shutter, const LampBrightness& brightness, int samples,
+                           Buffers* buffers)
     : scene_(scene),
       camera_(camera),
       pixels_(pixels),
       shutter_(shutter),
       samples_(samples),
-      hits_(static_cast<std::size_t>(camera.width) * camera.height),
-      samples_of_(camera.height, camera.width, CV_8UC1, cv::Scalar(1)) {
+      buffers_(*buffers) {
+  buffers_.hits.resize(static_cast<std::size_t>(camera.width) * camera.height);
+  buffers_.samples.create(camera.height, camera.width, CV_8UC1);
+  buffers_.samples.setTo(1);
+  buffers_.shadows.release();
   for (int y = 0; y < camera.height; ++y) {
     row_brightness_.push_back(brightness ? static_cast<float>(brightness(shutter.row(y).time))
                                          : 1.0F);
@@ -60,9 +86,10 @@ FramePainter::FramePainter(const LitScene& scene, const Camera& camera, const Pi
 bool FramePainter::is_edge(const CentreHit& a, const CentreHit& b) {
   if (a.hit.surface != b.hit.surface) return true;
   if (a.hit.surface < 0 || a.hit.triangle == b.hit.triangle) return false;
-  const Vector3f between = b.plane.point - a.plane.point;
-  return std::abs(a.plane.normal.dot(b.plane.normal)) < facet_cosine ||
-         std::abs(a.plane.normal.dot(between)) > facet_slope * between.norm();
+  const Vector3f between = b.point - a.point;
+  const float off = a.normal.dot(between);
+  return std::abs(a.normal.dot(b.normal)) < facet_cosine ||
+         off * off > facet_slope * facet_slope * between.squaredNorm();
 }
 
 template <class Work>
@@ -132,16 +159,17 @@ Rendering FramePainter::paint() {
   over_rows(camera_.height, [&](int y) { trace_centres(y, &out); });
   for (int y = 0; y < camera_.height; ++y) mark_edges(y);
   if (scene_.embree.surfaces() > scene_.embree.still_surfaces() && !scene_.lamps.none()) {
-    shadows_.create((camera_.height - 1) / shadow_step + 2, (camera_.width - 1) / shadow_step + 2,
-                    CV_32FC1);
-    over_rows(shadows_.rows, [&](int y) { trace_shadows(y); });
+    buffers_.shadows.create((camera_.height - 1) / shadow_step + 2,
+                            (camera_.width - 1) / shadow_step + 2, CV_32FC1);
+    over_rows(buffers_.shadows.rows, [&](int y) { trace_shadows(y); });
   }
   over_rows(camera_.height, [&](int y) {
-    const std::uint8_t* samples = samples_of_.ptr<std::uint8_t>(y);
+    const std::uint8_t* samples = buffers_.samples.ptr<std::uint8_t>(y);
     auto* radiance = out.radiance.ptr<cv::Vec3f>(y);
     for (int x = 0; x < camera_.width; ++x) {
-      radiance[x] = samples[x] > 1 ? shade_samples(x, y, samples[x]) : shade_centre(x, y);
+      if (samples[x] == 1) radiance[x] = shade_centre(x, y);
     }
+    shade_edges(y, radiance);
   });
   return out;
 }
@@ -157,23 +185,32 @@ void FramePainter::trace_centres(int y, Rendering* out) {
   const bool rolling = shutter_.row(0).time != shutter_.row(camera_.height - 1).time;
   const auto actors =
       rolling ? EmbreeScene::What::still_and_moving : EmbreeScene::What::still_and_frozen;
+  HitPlanes planes(scene_.embree);
+  Rays rays;
   for (int x0 = 0; x0 < camera_.width; x0 += packet_size) {
     const int count = std::min(packet_size, camera_.width - x0);
-    Rays rays;
     for (int i = 0; i < count; ++i) rays[static_cast<std::size_t>(i)] = centre_ray(x0 + i, y);
     const SurfaceHits hits = scene_.embree.trace(rays, count, reach(x0, y, count, actors));
     for (int i = 0; i < count; ++i) {
       const SurfaceHit& hit = hits[static_cast<std::size_t>(i)];
-      CentreHit& c = centre(x0 + i, y);
+      const int x = x0 + i;
+      CentreHit& c = centre(x, y);
       c.hit = hit;
+      c.motion = Vector2f::Zero();
       // The directions' z is 1 in the camera's frame: their lengths count as depth.
-      out->depth.at<float>(y, x0 + i) = hit.surface < 0 ? 0.0F : hit.distance;
-      out->instance.at<std::uint8_t>(y, x0 + i) =
+      out->depth.at<float>(y, x) = hit.surface < 0 ? 0.0F : hit.distance;
+      out->instance.at<std::uint8_t>(y, x) =
           hit.surface < 0 ? std::uint8_t{0}
                           : static_cast<std::uint8_t>(scene_.embree.surface(hit.surface).instance);
       if (hit.surface < 0) continue;
-      c.plane = hit_plane(scene_.embree, hit, rays[static_cast<std::size_t>(i)]);
-      if (shutter_.exposure() > 0.0) c.motion = image_motion(c.plane, row);
+      const Ray& ray = rays[static_cast<std::size_t>(i)];
+      const HitPlane plane = planes.at(hit, ray);
+      if (shutter_.exposure() > 0.0) c.motion = image_motion(plane, row);
+      c.point = plane.point;
+      c.normal = plane.normal;
+      c.uv = plane.uv;
+      c.print = footprint(plane, hit.distance, ray.direction, row.middle.turn(pixels_.right(x, y)),
+                          row.middle.turn(pixels_.down(x, y)), c.motion);
     }
   }
 }
@@ -207,45 +244,49 @@ void FramePainter::mark(int x, int y, const Vector2f& motion) {
   const float length = std::min(motion.norm(), farthest);
   const int samples =
       std::clamp(static_cast<int>(std::ceil(length)), samples_, std::max(samples_, most_samples));
-  const int steps = static_cast<int>(std::ceil(length));
+  // Half a pixel of the way to either side ends within the two pixels that meet at the edge.
+  const float spread = std::max(length - 1.0F, 0.0F);
+  const int steps = static_cast<int>(std::ceil(spread));
   for (int i = 0; i <= steps; ++i) {
     const float along =
         steps == 0 ? 0.0F : static_cast<float>(i) / static_cast<float>(steps) - 0.5F;
-    const float share = motion.norm() > 0.0F ? along * length / motion.norm() : 0.0F;
+    const float share = motion.norm() > 0.0F ? along * spread / motion.norm() : 0.0F;
     const int at_x = x + cvRound(share * motion.x()), at_y = y + cvRound(share * motion.y());
     if (at_x < 0 || at_y < 0 || at_x >= camera_.width || at_y >= camera_.height) continue;
-    auto& most = samples_of_.at<std::uint8_t>(at_y, at_x);
+    auto& most = buffers_.samples.at<std::uint8_t>(at_y, at_x);
     most = std::max(most, static_cast<std::uint8_t>(samples));
   }
 }
 
 void FramePainter::trace_shadows(int grid_y) {
   const int y = std::min(grid_y * shadow_step, camera_.height - 1);
-  for (int grid_x = 0; grid_x < shadows_.cols; ++grid_x) {
+  for (int grid_x = 0; grid_x < buffers_.shadows.cols; ++grid_x) {
     const CentreHit& c = centre(std::min(grid_x * shadow_step, camera_.width - 1), y);
-    float& lost = shadows_.at<float>(grid_y, grid_x);
+    float& lost = buffers_.shadows.at<float>(grid_y, grid_x);
     lost = -1.0F;
     if (c.hit.surface < 0 || scene_.embree.surface(c.hit.surface).instance != 0) continue;
     const Mesh& mesh = *scene_.embree.surface(c.hit.surface).mesh;
     const int vertex = mesh.triangles[static_cast<std::size_t>(c.hit.triangle)][0];
     const Vector3f& outside = mesh.rest.normals[static_cast<std::size_t>(vertex)];
-    const Vector3f normal =
-        c.plane.normal.dot(outside) < 0.0F ? Vector3f(-c.plane.normal) : c.plane.normal;
-    lost = light_lost_to_actors(scene_.embree, scene_.lamps, c.plane.point, normal);
+    const Vector3f normal = c.normal.dot(outside) < 0.0F ? Vector3f(-c.normal) : c.normal;
+    lost = light_lost_to_actors(scene_.embree, scene_.lamps, c.point, normal);
   }
 }
 
 /// Between the four points around, as far as they lie on the pixel's own surface.
 float FramePainter::shadow_at(int x, int y) {
-  if (shadows_.empty()) return 0.0F;
+  if (buffers_.shadows.empty()) return 0.0F;
   const CentreHit& here = centre(x, y);
   const int grid_x = x / shadow_step, grid_y = y / shadow_step;
+  const auto* above = buffers_.shadows.ptr<float>(grid_y) + grid_x;
+  const auto* below = buffers_.shadows.ptr<float>(grid_y + 1) + grid_x;
+  if (std::max({above[0], above[1], below[0], below[1]}) <= 0.0F) return 0.0F;
   const float a = static_cast<float>(x % shadow_step) / shadow_step;
   const float b = static_cast<float>(y % shadow_step) / shadow_step;
   float sum = 0.0F, weights = 0.0F, any = 0.0F, any_weights = 0.0F;
   for (int i = 0; i < 4; ++i) {
     const int gx = grid_x + i % 2, gy = grid_y + i / 2;
-    const float lost = shadows_.at<float>(gy, gx);
+    const float lost = buffers_.shadows.at<float>(gy, gx);
     if (lost < 0.0F) continue;
     const CentreHit& there = centre(std::min(gx * shadow_step, camera_.width - 1),
                                     std::min(gy * shadow_step, camera_.height - 1));
@@ -253,7 +294,7 @@ float FramePainter::shadow_at(int x, int y) {
     any += weight * lost;
     any_weights += weight;
     if (here.hit.surface < 0) continue;
-    const float off = here.plane.normal.dot(there.plane.point - here.plane.point);
+    const float off = here.normal.dot(there.point - here.point);
     if (std::abs(off) > same_plane) continue;
     sum += weight * lost;
     weights += weight;
@@ -265,55 +306,89 @@ float FramePainter::shadow_at(int x, int y) {
 cv::Vec3f FramePainter::shade_centre(int x, int y) {
   const CentreHit& c = centre(x, y);
   if (c.hit.surface < 0) return {0.0F, 0.0F, 0.0F};
-  const Eigen::Matrix3f& rotation = shutter_.row(y).middle.rotation;
-  const Footprint print = footprint(c.plane, centre_ray(x, y), rotation * pixels_.right(x, y),
-                                    rotation * pixels_.down(x, y), c.motion);
   const PixelLight light = {row_brightness_[static_cast<std::size_t>(y)], shadow_at(x, y)};
-  constexpr float still = 0.3F;  // pixels
   const float way = c.motion.norm();
-  const int taps = way < still ? 1 : std::clamp(static_cast<int>(std::ceil(way)), 2, most_taps);
-  // Where motion blurs the print there is no fine detail to lose across the view.
-  return scene_.shading.colour(c.hit, c.plane.uv, print, taps,
-                               taps > 1 ? few_taps : most_filter_taps, light);
+  if (way >= blurring) {
+    // Where motion blurs the print there is no fine detail to lose across the view.
+    const int taps = std::min(static_cast<int>(std::ceil(way)), most_taps);
+    return scene_.shading.colour(c.hit, c.uv, c.print, taps, few_taps, light);
+  }
+  Footprint print = c.print;
+  if (way > still) {
+    // A short way only lengthens the pixel, by its variance.
+    const Vector2f along = c.motion / way;
+    const float length = std::sqrt(1.0F + way * way);
+    print.right = length * (along.x() * c.print.right + along.y() * c.print.down);
+    print.down = along.x() * c.print.down - along.y() * c.print.right;
+  }
+  return scene_.shading.colour(c.hit, c.uv, print, 1, most_filter_taps, light);
 }
 
-/// Rays spread over the pixel and, stratified, over the exposure.
-cv::Vec3f FramePainter::shade_samples(int x, int y, int samples) {
+/// The pixel's share of the exposure and the pixel: stratified over the one, spread over the other.
+Ray FramePainter::edge_ray(int x, int y, int sample, int samples) const {
+  static const SampleOffsets offsets;
   const RowExposure& row = shutter_.row(y);
-  const Vector3f centre = pixels_.at(x, y);
-  const Vector3f right = pixels_.right(x, y), down = pixels_.down(x, y);
+  const Vector2f& offset = offsets.at(sample, samples);
   const float jitter = shutter_.exposure() > 0.0 ? pixel_share(x, y) : 0.5F;
-  const PixelLight light = {row_brightness_[static_cast<std::size_t>(y)], shadow_at(x, y)};
-  cv::Vec3f sum(0.0F, 0.0F, 0.0F);
-  for (int first = 0; first < samples; first += packet_size) {
-    const int count = std::min(packet_size, samples - first);
-    Rays rays;
-    for (int i = 0; i < count; ++i) {
-      const Vector2f offset = sample_offset(first + i);
-      const float share = (static_cast<float>(first + i) + jitter) / static_cast<float>(samples);
-      const Vector3f direction = centre + offset.x() * right + offset.y() * down;
-      // The camera turns by a degree at most meanwhile: between the two ends it is as good as
-      // straight.
-      rays[static_cast<std::size_t>(i)] = {
-          (1.0F - share) * row.begin.origin + share * row.end.origin,
-          (1.0F - share) * (row.begin.rotation * direction) +
-              share * (row.end.rotation * direction),
-          shutter_.moment(row.time + (share - 0.5) * shutter_.exposure())};
+  const float share = (static_cast<float>(sample) + jitter) / static_cast<float>(samples);
+  const Vector2f aside = offset.x() * pixels_.right(x, y) + offset.y() * pixels_.down(x, y);
+  const Vector3f direction = pixels_.at(x, y) + Vector3f(aside.x(), aside.y(), 0.0F);
+  // The camera turns by a degree at most meanwhile: between the two ends it is as good as straight.
+  return {
+      (1.0F - share) * row.begin.origin + share * row.end.origin,
+      (1.0F - share) * (row.begin.rotation * direction) + share * (row.end.rotation * direction),
+      shutter_.moment(row.time + (share - 0.5) * shutter_.exposure())};
+}
+
+/// The rays of several pixels share packets, which else would be half empty.
+void FramePainter::shade_edges(int y, cv::Vec3f* radiance) {
+  const auto* samples_of = buffers_.samples.ptr<std::uint8_t>(y);
+  HitPlanes planes(scene_.embree);
+  Rays rays;
+  std::array<EdgeSample, packet_size> samples;
+  int count = 0;
+  for (int x = 0; x < camera_.width; ++x) {
+    if (samples_of[x] <= 1) continue;
+    const CentreHit& c = centre(x, y);
+    const float weight = 1.0F / static_cast<float>(samples_of[x]);
+    const PixelLight light = {row_brightness_[static_cast<std::size_t>(y)], shadow_at(x, y)};
+    radiance[x] = {0.0F, 0.0F, 0.0F};
+    if (c.hit.surface >= 0) {
+      const Footprint print = {sample_footprint * c.print.right, sample_footprint * c.print.down,
+                               Vector2f::Zero()};
+      radiance[x] = weight * scene_.shading.colour(c.hit, c.uv, print, 1, few_taps, light);
     }
-    const SurfaceHits hits =
-        scene_.embree.trace(rays, count, reach(x, y, 1, EmbreeScene::What::still_and_moving));
-    for (int i = 0; i < count; ++i) {
-      const SurfaceHit& hit = hits[static_cast<std::size_t>(i)];
-      if (hit.surface < 0) continue;
-      const Ray& ray = rays[static_cast<std::size_t>(i)];
-      const HitPlane plane = hit_plane(scene_.embree, hit, ray);
-      const Footprint print =
-          footprint(plane, ray, sample_footprint * (row.middle.rotation * right),
-                    sample_footprint * (row.middle.rotation * down), Vector2f::Zero());
-      sum += scene_.shading.colour(hit, plane.uv, print, 1, few_taps, light);
+    for (int k = 1; k < samples_of[x]; ++k) {
+      rays[static_cast<std::size_t>(count)] = edge_ray(x, y, k - 1, samples_of[x] - 1);
+      samples[static_cast<std::size_t>(count)] = {x, weight, light};
+      if (++count < packet_size) continue;
+      shade_rays(y, rays, samples, count, &planes, radiance);
+      count = 0;
     }
   }
-  return sum * (1.0F / static_cast<float>(samples));
+  if (count > 0) shade_rays(y, rays, samples, count, &planes, radiance);
+}
+
+void FramePainter::shade_rays(int y, const Rays& rays,
+                              const std::array<EdgeSample, packet_size>& samples, int count,
+                              HitPlanes* planes, cv::Vec3f* radiance) const {
+  const int first = samples.front().x, last = samples[static_cast<std::size_t>(count - 1)].x;
+  const SurfaceHits hits = scene_.embree.trace(
+      rays, count, reach(first, y, last - first + 1, EmbreeScene::What::still_and_moving));
+  const CameraPlace& place = shutter_.row(y).middle;
+  for (int i = 0; i < count; ++i) {
+    const SurfaceHit& hit = hits[static_cast<std::size_t>(i)];
+    if (hit.surface < 0) continue;
+    const Ray& ray = rays[static_cast<std::size_t>(i)];
+    const EdgeSample& sample = samples[static_cast<std::size_t>(i)];
+    const HitPlane plane = planes->at(hit, ray);
+    const Footprint print =
+        footprint(plane, hit.distance, ray.direction,
+                  sample_footprint * place.turn(pixels_.right(sample.x, y)),
+                  sample_footprint * place.turn(pixels_.down(sample.x, y)), Vector2f::Zero());
+    radiance[sample.x] +=
+        sample.weight * scene_.shading.colour(hit, plane.uv, print, 1, few_taps, sample.light);
+  }
 }
 
 }  // namespace dkp_slam

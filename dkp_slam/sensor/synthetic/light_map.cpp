@@ -191,7 +191,7 @@ Light LightMap::gather(const Point& point) const {
       rays[static_cast<std::size_t>(i)] = {point.position + lift * n,
                                            d.x() * side + d.y() * up + d.z() * n};
     }
-    const SurfaceHits hits = scene_.trace(rays, packet_size, EmbreeScene::What::still);
+    const SurfaceHits hits = scene_.trace(rays, packet_size, EmbreeScene::What::still, false);
     for (const SurfaceHit& hit : hits) {
       const float open = hit.surface < 0 ? 1.0F : std::min(hit.distance / open_distance, 1.0F);
       sum[3] += without_lamps * open;

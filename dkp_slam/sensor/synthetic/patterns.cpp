@@ -65,14 +65,20 @@ void add_octaves(cv::RNG& rng, cv::Mat* image, double amplitude, cv::Size coarse
   }
 }
 
+cv::Mat plain_image(cv::Size size, const cv::Scalar& colour) {
+  cv::Mat image(size, CV_8UC3);
+  image.setTo(colour);
+  return image;
+}
+
 cv::Mat paint_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, double roughness) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   add_octaves(rng, &image, roughness, {size.width / 64 + 1, size.height / 64 + 1});
   return image;
 }
 
 cv::Mat wood_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   add_octaves(rng, &image, 16.0, {3, std::max(size.height / 24, 2)});
   // Knots and joints.
   for (int i = 0; i < std::max(size.area() / 30000, 2); ++i) {
@@ -84,7 +90,7 @@ cv::Mat wood_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
 }
 
 cv::Mat carpet_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   constexpr int tile = 110;
   for (int y = 0; y < size.height; y += tile) {
     for (int x = 0; x < size.width; x += tile) {
@@ -115,7 +121,7 @@ cv::Mat checks_pattern(cv::RNG& rng, cv::Size size, int cell) {
 }
 
 cv::Mat poster_pattern(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, random_colour(rng, 110, 205));
+  cv::Mat image = plain_image(size, random_colour(rng, 110, 205));
   add_octaves(rng, &image, 14.0, {3, 3});
   const int shapes = rng.uniform(14, 26);
   const int largest = std::max(std::min(size.width, size.height) / 4, 8);
@@ -148,7 +154,7 @@ cv::Mat poster_pattern(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat books_pattern(cv::RNG& rng, cv::Size size, int shelf_height) {
-  cv::Mat image(size, CV_8UC3, cv::Scalar(52, 58, 66));
+  cv::Mat image = plain_image(size, cv::Scalar(52, 58, 66));
   constexpr int board = 8;
   for (int shelf = 0; shelf + shelf_height / 2 < size.height; shelf += shelf_height) {
     const int bottom = std::min(shelf + shelf_height - board, size.height);
@@ -176,7 +182,7 @@ cv::Mat books_pattern(cv::RNG& rng, cv::Size size, int shelf_height) {
 }
 
 cv::Mat screen_pattern(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, cv::Scalar(120, 95, 70));
+  cv::Mat image = plain_image(size, cv::Scalar(120, 95, 70));
   add_octaves(rng, &image, 14.0, {3, 2});
   for (int window = 0; window < 3; ++window) {
     const cv::Rect box(rng.uniform(4, size.width / 2), rng.uniform(4, size.height / 2),
@@ -194,7 +200,7 @@ cv::Mat screen_pattern(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat cloth_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   // Stripes at divisors of the width close around the limb.
   const int cell = size.width / (8 << rng.uniform(0, 2));
   for (int x = 0; x < size.width; x += cell) {
@@ -214,7 +220,7 @@ cv::Mat cloth_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
 }
 
 cv::Mat head_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& skin, const cv::Scalar& hair) {
-  cv::Mat image(size, CV_8UC3, skin);
+  cv::Mat image = plain_image(size, skin);
   const int w = size.width, h = size.height;
   const auto ellipse = [&](int dx, double y, double rx, double ry, const cv::Scalar& colour) {
     cv::ellipse(image, cv::Point(w / 2 + dx, static_cast<int>(y * h)),

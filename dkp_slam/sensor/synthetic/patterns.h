@@ -4,6 +4,10 @@
 
 namespace dkp_slam {
 
+/// A CV_8UC3 image of one colour. The constructor of cv::Mat fills it a pixel at a time: that was
+/// a fifth of the making of a world.
+cv::Mat plain_image(cv::Size size, const cv::Scalar& colour);
+
 /// Procedural CV_8UC3 images for the synthetic world's surfaces, with corners at many scales and
 /// the moderate contrast of a room. Same random state, same bytes.
 cv::Mat paint_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, double roughness);

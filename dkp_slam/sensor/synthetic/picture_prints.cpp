@@ -61,7 +61,7 @@ std::vector<cv::Point> skyline(cv::RNG& rng, const cv::Size& size, int base, dou
 }
 
 cv::Mat abstract_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, room_colour(rng, 150, 235));
+  cv::Mat image = plain_image(size, room_colour(rng, 150, 235));
   const int columns = rng.uniform(3, 6), rows = std::max(columns * size.height / size.width, 2);
   const cv::Scalar inks[4] = {room_colour(rng, 20, 90), room_colour(rng, 40, 220),
                               room_colour(rng, 40, 220), room_colour(rng, 160, 240)};
@@ -132,7 +132,7 @@ cv::Mat landscape_print(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat chart_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, cv::Scalar(238, 240, 242));
+  cv::Mat image = plain_image(size, cv::Scalar(238, 240, 242));
   const int w = size.width, h = size.height, line = std::max(h / 30, 8);
   fill_box(&image, 0, 0, w, h / 8, room_colour(rng, 40, 150));
   write_words(rng, &image, cv::Rect(w / 20, h / 40, w * 9 / 10, h / 12), {245, 245, 245});
@@ -164,7 +164,7 @@ cv::Mat chart_print(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat page_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, cv::Scalar(236, 240, 242));
+  cv::Mat image = plain_image(size, cv::Scalar(236, 240, 242));
   const int w = size.width, h = size.height, line = std::max(h / 45, 5);
   write_words(rng, &image, cv::Rect(w / 10, h / 14, w * 6 / 10, h / 20), {40, 40, 40});
   const int picture = rng.uniform(h / 4, h * 2 / 3);
@@ -180,7 +180,7 @@ cv::Mat page_print(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat whiteboard_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, cv::Scalar(236, 236, 234));
+  cv::Mat image = plain_image(size, cv::Scalar(236, 236, 234));
   add_octaves(rng, &image, 4.0, {4, 3});  // wiped badly
   const int w = size.width, h = size.height;
   const cv::Scalar pens[4] = {{60, 40, 30}, {150, 70, 30}, {40, 40, 170}, {70, 120, 40}};
@@ -207,7 +207,7 @@ cv::Mat whiteboard_print(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat cork_board_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, cv::Scalar(95, 140, 178));
+  cv::Mat image = plain_image(size, cv::Scalar(95, 140, 178));
   for (int i = 0; i < size.area() / 60; ++i) {
     cv::circle(image, {rng.uniform(0, size.width), rng.uniform(0, size.height)}, rng.uniform(1, 3),
                cv::Scalar(90, 135, 172) * rng.uniform(0.75, 1.2), cv::FILLED);
@@ -230,7 +230,7 @@ cv::Mat cork_board_print(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat editor_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, cv::Scalar(44, 34, 30));
+  cv::Mat image = plain_image(size, cv::Scalar(44, 34, 30));
   const int w = size.width, h = size.height, line = std::max(h / 34, 8);
   fill_box(&image, 0, 0, w / 6, h, {58, 46, 42});
   fill_box(&image, 0, 0, w, line * 3 / 2, {78, 64, 58});
@@ -253,7 +253,7 @@ cv::Mat editor_print(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat browser_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, cv::Scalar(246, 246, 246));
+  cv::Mat image = plain_image(size, cv::Scalar(246, 246, 246));
   const int w = size.width, h = size.height, line = std::max(h / 30, 8);
   fill_box(&image, 0, 0, w, line * 2, {200, 195, 190});
   fill_box(&image, w / 12, line / 2, w * 2 / 3, line, {250, 250, 250});
@@ -271,7 +271,7 @@ cv::Mat browser_print(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat keyboard_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, cv::Scalar(46, 46, 48));
+  cv::Mat image = plain_image(size, cv::Scalar(46, 46, 48));
   const int key = size.height / 6;
   for (int row = 0; row < 6; ++row) {
     for (int x = key / 4 + row * key / 4 % key; x + key < size.width;) {
@@ -291,7 +291,7 @@ cv::Mat book_spine_print(cv::RNG& rng, cv::Size size) {
                                        {120, 70, 30},   {70, 95, 45}, {60, 140, 205},
                                        {175, 190, 200}, {90, 60, 100}};
   const cv::Scalar cover = covers[rng.uniform(0, 8)];
-  cv::Mat image(size, CV_8UC3, cover * rng.uniform(0.75, 1.08));
+  cv::Mat image = plain_image(size, cover * rng.uniform(0.75, 1.08));
   const cv::Scalar ink = cv::sum(image(cv::Rect(0, 0, 1, 1)))[0] > 120 ? cv::Scalar(40, 35, 40)
                                                                        : cv::Scalar(215, 225, 230);
   const int w = size.width, h = size.height;
@@ -307,7 +307,7 @@ cv::Mat book_spine_print(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat binder_spine_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, room_colour(rng, 30, 130));
+  cv::Mat image = plain_image(size, room_colour(rng, 30, 130));
   const int w = size.width, h = size.height;
   add_octaves(rng, &image, 8.0, {4, 12});
   fill_box(&image, w / 6, h / 8, w * 2 / 3, h * 45 / 100, {228, 232, 235});
@@ -320,7 +320,7 @@ cv::Mat binder_spine_print(cv::RNG& rng, cv::Size size) {
 
 cv::Mat cardboard_print(cv::RNG& rng, cv::Size size) {
   const cv::Scalar brown(92, 132, 168);
-  cv::Mat image(size, CV_8UC3, brown * rng.uniform(0.85, 1.1));
+  cv::Mat image = plain_image(size, brown * rng.uniform(0.85, 1.1));
   add_octaves(rng, &image, 6.0, {4, 4});
   const int w = size.width, h = size.height;
   fill_box(&image, w * 44 / 100, 0, w * 12 / 100, h / 4, brown * 1.3);  // tape

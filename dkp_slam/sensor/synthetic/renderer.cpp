@@ -27,6 +27,7 @@ struct Renderer::Scene {
   LightMap light;
   LampBrightness brightness;
   std::optional<PixelRays> pixels;  ///< of the last camera
+  FramePainter::Buffers buffers;
 };
 
 Renderer::Renderer(Place place, std::vector<std::shared_ptr<const Actor>> actors,
@@ -54,7 +55,7 @@ Rendering Renderer::render(const Camera& camera,
   const ActorLight actor_light(s.embree, s.lamps, s.light);
   const Shading shading(s.embree, s.light, actor_light);
   FramePainter painter({s.embree, s.lamps, shading}, camera, *s.pixels, shutter, s.brightness,
-                       options.samples);
+                       options.samples, &s.buffers);
   return painter.paint();
 }
 

@@ -14,10 +14,12 @@ constexpr float flattest_view = 0.03F;
 
 }  // namespace
 
-HitPlane hit_plane(const EmbreeScene& scene, const SurfaceHit& hit, const Ray& ray) {
-  const Surface& surface = scene.surface(hit.surface);
+void HitPlanes::look_up(int surface_index, int triangle) {
+  surface_ = surface_index;
+  triangle_ = triangle;
+  const Surface& surface = scene_.surface(surface_index);
   const Mesh& mesh = *surface.mesh;
-  const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(hit.triangle)];
+  const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(triangle)];
   const auto corner = [&](const auto& of, int i) -> const auto& {
     return of[static_cast<std::size_t>(t[i])];
   };
@@ -27,32 +29,38 @@ HitPlane hit_plane(const EmbreeScene& scene, const SurfaceHit& hit, const Ray& r
   const Vector3f cross = a.cross(b);
   const float inverse = 1.0F / std::max(cross.squaredNorm(), 1e-20F);
   const Vector3f along_a = b.cross(cross) * inverse, along_b = cross.cross(a) * inverse;
-  const Vector2f uv_a = corner(mesh.uv, 1) - corner(mesh.uv, 0);
-  const Vector2f uv_b = corner(mesh.uv, 2) - corner(mesh.uv, 0);
-  HitPlane plane;
+  along_first_ = corner(mesh.uv, 1) - corner(mesh.uv, 0);
+  along_second_ = corner(mesh.uv, 2) - corner(mesh.uv, 0);
+  plane_.uv = corner(mesh.uv, 0);
+  plane_.normal = cross * std::sqrt(inverse);
+  plane_.gradient_u = along_first_.x() * along_a + along_second_.x() * along_b;
+  plane_.gradient_v = along_first_.y() * along_a + along_second_.y() * along_b;
+}
+
+HitPlane HitPlanes::at(const SurfaceHit& hit, const Ray& ray) {
+  if (hit.surface != surface_ || hit.triangle != triangle_) look_up(hit.surface, hit.triangle);
+  HitPlane plane = plane_;
   plane.point = ray.origin + hit.distance * ray.direction;
-  plane.normal = cross * std::sqrt(inverse);
-  plane.uv = corner(mesh.uv, 0) + hit.u * uv_a + hit.v * uv_b;
-  plane.gradient_u = uv_a.x() * along_a + uv_b.x() * along_b;
-  plane.gradient_v = uv_a.y() * along_a + uv_b.y() * along_b;
+  plane.uv += hit.u * along_first_ + hit.v * along_second_;
+  const Surface& surface = scene_.surface(hit.surface);
   if (surface.instance != 0) {
-    const float w = 1.0F - hit.u - hit.v;
+    const Eigen::Vector3i& t = surface.mesh->triangles[static_cast<std::size_t>(hit.triangle)];
     const auto at = [&](const std::vector<Vector3f>& of) {
-      return Vector3f(w * corner(of, 0) + hit.u * corner(of, 1) + hit.v * corner(of, 2));
+      const auto corner = [&](int i) -> const auto& { return of[static_cast<std::size_t>(t[i])]; };
+      return Vector3f((1.0F - hit.u - hit.v) * corner(0) + hit.u * corner(1) + hit.v * corner(2));
     };
     plane.travel = at(surface.last) - at(surface.first);
   }
   return plane;
 }
 
-Footprint footprint(const HitPlane& plane, const Ray& ray, const Vector3f& right,
-                    const Vector3f& down, const Vector2f& motion) {
-  const float distance =
-      (plane.point - ray.origin).dot(ray.direction) / ray.direction.squaredNorm();
-  float slope = plane.normal.dot(ray.direction);
+Footprint footprint(const HitPlane& plane, float distance, const Vector3f& direction,
+                    const Vector3f& right, const Vector3f& down, const Vector2f& motion) {
+  float slope = plane.normal.dot(direction);
   if (std::abs(slope) < flattest_view) slope = slope < 0.0F ? -flattest_view : flattest_view;
+  const Vector3f forward = direction * (1.0F / slope);
   const auto on_texture = [&](const Vector3f& change) {
-    const Vector3f step = distance * (change - ray.direction * (plane.normal.dot(change) / slope));
+    const Vector3f step = distance * (change - plane.normal.dot(change) * forward);
     return Vector2f(plane.gradient_u.dot(step), plane.gradient_v.dot(step));
   };
   Footprint result;
@@ -68,11 +76,12 @@ cv::Vec3f Shading::colour(const SurfaceHit& hit, const Vector2f& uv, const Footp
   const Surface& surface = scene_.surface(hit.surface);
   const Mesh& mesh = *surface.mesh;
   cv::Vec3f print(0.0F, 0.0F, 0.0F);
+  const float each = 1.0F / static_cast<float>(taps);
   for (int i = 0; i < taps; ++i) {
-    const float along = (static_cast<float>(i) + 0.5F) / static_cast<float>(taps) - 0.5F;
+    const float along = (static_cast<float>(i) + 0.5F) * each - 0.5F;
     const cv::Vec3f level = mesh.texture->sample(uv + along * footprint.motion, footprint.right,
                                                  footprint.down, taps_each);
-    for (int c = 0; c < 3; ++c) print[c] += linear_light(level[c]);
+    for (int c = 0; c < 3; ++c) print[c] += linear_light_(level[c]);
   }
   const Light light = surface.instance == 0 ? still_.at(hit) : moving_.at(hit);
   const float lost = surface.instance == 0 ? pixel.lost : 0.0F;
@@ -80,7 +89,7 @@ cv::Vec3f Shading::colour(const SurfaceHit& hit, const Vector2f& uv, const Footp
   constexpr float deepest = 0.2F;  // shadow: walls and ceiling send light into it
   for (int c = 0; c < 3; ++c) {
     const float lamps = std::max(light[c] - lost, deepest * light[c]);
-    print[c] *= (pixel.lamps * lamps + light[3] + own) / static_cast<float>(taps);
+    print[c] *= (pixel.lamps * lamps + light[3] + own) * each;
   }
   return print;
 }

@@ -6,6 +6,7 @@
 #include "dkp_slam/sensor/synthetic/actor_light.h"
 #include "dkp_slam/sensor/synthetic/embree_scene.h"
 #include "dkp_slam/sensor/synthetic/light_map.h"
+#include "dkp_slam/sensor/synthetic/texture.h"
 
 namespace dkp_slam {
 
@@ -18,7 +19,21 @@ struct HitPlane {
   Eigen::Vector3f travel = Eigen::Vector3f::Zero();  ///< of the point, from first to last light
 };
 
-HitPlane hit_plane(const EmbreeScene& scene, const SurfaceHit& hit, const Ray& ray);
+/// Planes of hit triangles. Remembers the last triangle, which neighbouring rays often share: one
+/// for each thread.
+class HitPlanes {
+ public:
+  explicit HitPlanes(const EmbreeScene& scene) : scene_(scene) {}
+  HitPlane at(const SurfaceHit& hit, const Ray& ray);
+
+ private:
+  void look_up(int surface, int triangle);
+
+  const EmbreeScene& scene_;
+  int surface_ = -1, triangle_ = -1;
+  HitPlane plane_;                              ///< with the uv of the first corner
+  Eigen::Vector2f along_first_, along_second_;  ///< changes of uv to the other two
+};
 
 /// What lies under a pixel: changes of uv to the pixel on the right, to the one below, and over
 /// the exposure.
@@ -26,10 +41,12 @@ struct Footprint {
   Eigen::Vector2f right, down, motion;
 };
 
-/// `right` and `down` are the changes of the ray's direction to the neighbouring pixels, in the
-/// world frame; `motion` is the way of the surface in the image over the exposure, pixels.
-Footprint footprint(const HitPlane& plane, const Ray& ray, const Eigen::Vector3f& right,
-                    const Eigen::Vector3f& down, const Eigen::Vector2f& motion);
+/// `distance` and `direction` are the hit's and its ray's, `right` and `down` the changes of the
+/// direction to the neighbouring pixels, in the world frame; `motion` is the way of the surface in
+/// the image over the exposure, pixels.
+Footprint footprint(const HitPlane& plane, float distance, const Eigen::Vector3f& direction,
+                    const Eigen::Vector3f& right, const Eigen::Vector3f& down,
+                    const Eigen::Vector2f& motion);
 
 /// What is special about the light at one pixel.
 struct PixelLight {
@@ -52,6 +69,7 @@ class Shading {
   const EmbreeScene& scene_;
   const LightMap& still_;
   const ActorLight& moving_;
+  const LinearLight linear_light_;
 };
 
 }  // namespace dkp_slam

@@ -21,9 +21,13 @@ class PixelRays {
     const Eigen::Vector2f& d = directions_[index(x, y)];
     return {d.x(), d.y(), 1.0F};
   }
-  /// Change of the direction from a pixel to the next one; inside the image.
-  Eigen::Vector3f right(int x, int y) const { return 0.5F * (at(x + 1, y) - at(x - 1, y)); }
-  Eigen::Vector3f down(int x, int y) const { return 0.5F * (at(x, y + 1) - at(x, y - 1)); }
+  /// Change of the direction from a pixel to the next one, along x and y; inside the image.
+  Eigen::Vector2f right(int x, int y) const {
+    return 0.5F * (directions_[index(x + 1, y)] - directions_[index(x - 1, y)]);
+  }
+  Eigen::Vector2f down(int x, int y) const {
+    return 0.5F * (directions_[index(x, y + 1)] - directions_[index(x, y - 1)]);
+  }
 
  private:
   std::size_t index(int x, int y) const {
@@ -40,12 +44,17 @@ struct CameraPlace {
   explicit CameraPlace(const Se3& world_from_camera = {})
       : rotation(world_from_camera.rotation.toRotationMatrix().cast<float>()),
         origin(world_from_camera.translation.cast<float>()) {}
+  /// Into the world, of a direction in the camera's image plane.
+  Eigen::Vector3f turn(const Eigen::Vector2f& in_plane) const {
+    return in_plane.x() * rotation.col(0) + in_plane.y() * rotation.col(1);
+  }
   /// Of a point in the world: metres along the camera's z.
   float depth(const Eigen::Vector3f& point) const { return rotation.col(2).dot(point - origin); }
   /// Of a point in the world: its pixel, up to the camera's focal lengths and centre.
   Eigen::Vector2f project(const Eigen::Vector3f& point) const {
     const Eigen::Vector3f p = rotation.transpose() * (point - origin);
-    return {p.x() / p.z(), p.y() / p.z()};
+    const float inverse = 1.0F / p.z();
+    return {p.x() * inverse, p.y() * inverse};
   }
 };
 

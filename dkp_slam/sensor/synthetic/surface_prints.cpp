@@ -35,7 +35,7 @@ cv::Point somewhere(cv::RNG& rng, const cv::Size& size) {
 }  // namespace
 
 cv::Mat plaster_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, double metre) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   const double area = size.width / metre * size.height / metre;
   // Scuffs, filled holes and drips of paint: what the eye only sees on a second look.
   for (int i = 0; i < cvRound(26.0 * area); ++i) {
@@ -56,7 +56,7 @@ cv::Mat plaster_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, dou
 }
 
 cv::Mat wallpaper_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, double metre) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   const cv::Scalar stripe = tinted(rng, colour, 0.08), leaf = colour * rng.uniform(0.66, 0.80);
   const int step = cvRound(0.26 * metre);
   for (int x = 0; x < size.width; x += step) {
@@ -81,7 +81,7 @@ cv::Mat wallpaper_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, d
 }
 
 cv::Mat carpet_tiles_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, double metre) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   const int tile = cvRound(0.5 * metre);
   for (int y = 0; y < size.height; y += tile) {
     for (int x = 0; x < size.width; x += tile) {
@@ -108,7 +108,7 @@ cv::Mat carpet_tiles_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour
 }
 
 cv::Mat parquet_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, double metre) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   const int width = cvRound(0.12 * metre);
   const cv::Mat grain = grain_print(rng, {size.width / 2, size.height / 2}, cv::Scalar::all(128));
   cv::Mat wide;
@@ -135,7 +135,7 @@ cv::Mat parquet_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, dou
 
 cv::Mat tiles_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, double side,
                     double metre) {
-  cv::Mat image(size, CV_8UC3, colour * 0.72);
+  cv::Mat image = plain_image(size, colour * 0.72);
   const int tile = cvRound(side * metre);
   for (int y = 0; y < size.height; y += tile) {
     for (int x = 0; x < size.width; x += tile) {
@@ -156,7 +156,7 @@ cv::Mat tiles_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour, doubl
 }
 
 cv::Mat rug_print(cv::RNG& rng, cv::Size size) {
-  cv::Mat image(size, CV_8UC3, room_colour(rng, 50, 120));
+  cv::Mat image = plain_image(size, room_colour(rng, 50, 120));
   const int border = size.height / 12;
   for (int ring = 0; ring < 3; ++ring) {
     const int inset = border * ring;
@@ -181,7 +181,7 @@ cv::Mat rug_print(cv::RNG& rng, cv::Size size) {
 }
 
 cv::Mat grain_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   add_octaves(rng, &image, 13.0, {2, std::max(size.height / 16, 2)});
   for (int i = 0; i < size.area() / 20000 + 1; ++i) {
     const cv::Point at = somewhere(rng, size);
@@ -195,7 +195,7 @@ cv::Mat grain_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
 }
 
 cv::Mat weave_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   for (int y = 0; y < size.height; ++y) {
     auto* pixel = image.ptr<cv::Vec3b>(y);
     for (int x = 0; x < size.width; ++x) {
@@ -212,7 +212,7 @@ cv::Mat weave_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
 }
 
 cv::Mat smooth_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
-  cv::Mat image(size, CV_8UC3, colour);
+  cv::Mat image = plain_image(size, colour);
   add_octaves(rng, &image, 3.0, {3, 3});
   for (int i = 0; i < size.area() / 9000 + 1; ++i) {  // scratches
     const cv::Point at = somewhere(rng, size);
@@ -224,7 +224,7 @@ cv::Mat smooth_print(cv::RNG& rng, cv::Size size, const cv::Scalar& colour) {
 
 cv::Mat ceiling_print(cv::RNG& rng, cv::Size size, double metre) {
   const cv::Scalar white(226, 230, 232);
-  cv::Mat image(size, CV_8UC3, white);
+  cv::Mat image = plain_image(size, white);
   const int tile = cvRound(0.6 * metre);
   for (int i = 0; i < cvRound(size.area() / (metre * metre) * 420.0); ++i) {  // pin holes
     cv::circle(image, somewhere(rng, size), rng.uniform(0, 2), white * rng.uniform(0.72, 0.9),
@@ -239,7 +239,7 @@ cv::Mat ceiling_print(cv::RNG& rng, cv::Size size, double metre) {
 
 cv::Mat leaf_print(cv::RNG& rng, cv::Size size) {
   const cv::Scalar green(rng.uniform(35, 60), rng.uniform(95, 135), rng.uniform(45, 80));
-  cv::Mat image(size, CV_8UC3, green);
+  cv::Mat image = plain_image(size, green);
   const cv::Scalar vein = green * 1.45;
   cv::line(image, {0, size.height / 2}, {size.width, size.height / 2}, vein, 2, cv::LINE_AA);
   for (int x = 0; x < size.width; x += size.width / 9 + 1) {

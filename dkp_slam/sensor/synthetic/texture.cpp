@@ -4,12 +4,19 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
 
 namespace dkp_slam {
 namespace {
+
+/// As std::clamp, but without branches.
+float limit(float x, float low, float high) {
+  x = x < low ? low : x;
+  return x > high ? high : x;
+}
 
 /// std::floor is a function call on processors of the oldest kind, which we build for.
 int floor_to_int(float x) {
@@ -19,19 +26,34 @@ int floor_to_int(float x) {
 
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
-using Short8 = std::int16_t __attribute__((vector_size(16)));
 using Byte16 = std::uint8_t __attribute__((vector_size(16)));
 
-/// The four bytes of a texel as numbers.
-Float4 unpack(std::uint32_t texel) {
-  const Int4 packed = {static_cast<std::int32_t>(texel), 0, 0, 0};
+using UShort8 = std::uint16_t __attribute__((vector_size(16)));
+using Long2 = std::uint64_t __attribute__((vector_size(16)));
+
+/// The bytes of a texel and of its right neighbour as numbers.
+UShort8 unpack(const std::uint32_t* texels) {
+  std::uint64_t both;
+  std::memcpy(&both, texels, sizeof(both));
+  const Long2 packed = {both, 0};
   const Byte16 no_bytes = {};
-  const auto bytes = __builtin_shufflevector(std::bit_cast<Byte16>(packed), no_bytes, 0, 16, 1, 17,
-                                             2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-  const Short8 no_shorts = {};
-  const auto shorts =
-      __builtin_shufflevector(std::bit_cast<Short8>(bytes), no_shorts, 0, 8, 1, 9, 2, 10, 3, 11);
-  return __builtin_convertvector(std::bit_cast<Int4>(shorts), Float4);
+  return std::bit_cast<UShort8>(__builtin_shufflevector(std::bit_cast<Byte16>(packed), no_bytes, 0,
+                                                        16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6,
+                                                        22, 7, 23));
+}
+
+/// The first and the second four of eight numbers.
+Float4 first_half(UShort8 values) {
+  const UShort8 zeros = {};
+  return __builtin_convertvector(
+      std::bit_cast<Int4>(__builtin_shufflevector(values, zeros, 0, 8, 1, 9, 2, 10, 3, 11)),
+      Float4);
+}
+Float4 second_half(UShort8 values) {
+  const UShort8 zeros = {};
+  return __builtin_convertvector(
+      std::bit_cast<Int4>(__builtin_shufflevector(values, zeros, 4, 12, 5, 13, 6, 14, 7, 15)),
+      Float4);
 }
 
 /// Base-2 logarithm of a positive number, exact at powers of two, between them straight lines:
@@ -48,7 +70,7 @@ Texture::Texture(const cv::Mat& bgr, bool wrap) : wrap_(wrap) {
   cv::Mat image = bgr.clone();
   while (true) {
     Level level{image.cols, image.rows, {}};
-    level.texels.reserve(static_cast<std::size_t>(image.cols) * image.rows);
+    level.texels.reserve(static_cast<std::size_t>(image.cols + 1) * image.rows);
     for (int y = 0; y < image.rows; ++y) {
       const auto* row = image.ptr<cv::Vec3b>(y);
       for (int x = 0; x < image.cols; ++x) {
@@ -56,6 +78,8 @@ Texture::Texture(const cv::Mat& bgr, bool wrap) : wrap_(wrap) {
                                static_cast<std::uint32_t>(row[x][1]) << 8U |
                                static_cast<std::uint32_t>(row[x][2]) << 16U);
       }
+      const std::size_t first = level.texels.size() - static_cast<std::size_t>(image.cols);
+      level.texels.push_back(wrap ? level.texels[first] : level.texels.back());
     }
     levels_.push_back(std::move(level));
     if (image.cols == 1 && image.rows == 1) break;
@@ -67,50 +91,55 @@ Texture::Texture(const cv::Mat& bgr, bool wrap) : wrap_(wrap) {
 }
 
 cv::Vec3f Texture::mean() const {
-  const Float4 last = unpack(levels_.back().texels.front());
+  const Float4 last = first_half(unpack(levels_.back().texels.data()));
   return {last[0], last[1], last[2]};
 }
 
-Texture::Float4 Texture::bilinear(const Level& level, const Eigen::Vector2f& uv) const {
-  const float x = uv.x() * static_cast<float>(level.width) - 0.5F;
-  const float y = std::clamp(uv.y() * static_cast<float>(level.height) - 0.5F, 0.0F,
-                             static_cast<float>(level.height - 1));
-  int x0 = floor_to_int(x), x1 = x0 + 1;
-  const float fx = x - static_cast<float>(x0);
-  if (wrap_) {
-    x0 = (x0 % level.width + level.width) % level.width;
-    x1 = (x1 % level.width + level.width) % level.width;
-  } else {
-    x0 = std::clamp(x0, 0, level.width - 1);
-    x1 = std::clamp(x1, 0, level.width - 1);
+Texture::Float4 Texture::bilinear(const Level& level, float u, float v) const {
+  const auto last_column = static_cast<float>(level.width - 1);
+  const auto last_row = static_cast<float>(level.height - 1);
+  float x = u * static_cast<float>(level.width) - 0.5F;
+  const float y = limit(v * static_cast<float>(level.height) - 0.5F, 0.0F, last_row);
+  if (!wrap_) x = limit(x, 0.0F, last_column);
+  int column = floor_to_int(x);
+  const float right = x - static_cast<float>(column);
+  if (column < 0 || column >= level.width) {
+    column = (column % level.width + level.width) % level.width;
   }
-  const int y0 = static_cast<int>(y), y1 = std::min(y0 + 1, level.height - 1);
-  const float fy = y - static_cast<float>(y0);
-  const std::uint32_t* upper = level.texels.data() + static_cast<std::ptrdiff_t>(y0) * level.width;
-  const std::uint32_t* lower = level.texels.data() + static_cast<std::ptrdiff_t>(y1) * level.width;
-  const Float4 top_left = unpack(upper[x0]), bottom_left = unpack(lower[x0]);
-  const Float4 top = top_left + fx * (unpack(upper[x1]) - top_left);
-  const Float4 bottom = bottom_left + fx * (unpack(lower[x1]) - bottom_left);
-  return top + fy * (bottom - top);
+  const auto row = static_cast<int>(y);
+  const int stride = level.width + 1;
+  const std::uint32_t* upper =
+      level.texels.data() + static_cast<std::ptrdiff_t>(row) * stride + column;
+  const std::uint32_t* lower = row + 1 < level.height ? upper + stride : upper;
+  // In between rows in 256ths, which 16 bits hold.
+  const auto down = static_cast<std::uint16_t>((y - static_cast<float>(row)) * 256.0F + 0.5F);
+  const auto up = static_cast<std::uint16_t>(256 - down);
+  const UShort8 sides = unpack(upper) * up + unpack(lower) * down;
+  const Float4 left = first_half(sides);
+  return left + right * (second_half(sides) - left);
 }
 
 cv::Vec3f Texture::sample(const Eigen::Vector2f& uv, const Eigen::Vector2f& du,
                           const Eigen::Vector2f& dv, int most_taps) const {
-  const Eigen::Array2f texels(static_cast<float>(levels_[0].width),
-                              static_cast<float>(levels_[0].height));
-  float longer = (du.array() * texels).matrix().norm();
-  float shorter = (dv.array() * texels).matrix().norm();
+  const auto width = static_cast<float>(levels_[0].width);
+  const auto height = static_cast<float>(levels_[0].height);
+  const auto length2 = [&](const Eigen::Vector2f& d) {
+    return d.x() * width * (d.x() * width) + d.y() * height * (d.y() * height);
+  };
+  float longer2 = length2(du), shorter2 = length2(dv);
   Eigen::Vector2f axis = du;
-  if (shorter > longer) {
-    std::swap(shorter, longer);
+  if (shorter2 > longer2) {
+    std::swap(shorter2, longer2);
     axis = dv;
   }
   // Compared before the conversion: at grazing angles the ratio is beyond what an int holds.
-  const float ratio = std::min(longer / std::max(shorter, 1.0F), static_cast<float>(most_taps));
-  const int taps = std::max(static_cast<int>(std::ceil(ratio)), 1);
+  const auto most = static_cast<float>(most_taps);
+  const float ratio = std::sqrt(std::min(longer2 / std::max(shorter2, 1.0F), most * most));
+  const int taps = std::max(-floor_to_int(-ratio), 1);
+  const float each = 1.0F / static_cast<float>(taps);
   const auto last_level = static_cast<float>(levels_.size() - 1);
   const float lod =
-      std::clamp(rough_log2(std::max(longer / static_cast<float>(taps), 1.0F)), 0.0F, last_level);
+      std::clamp(0.5F * rough_log2(std::max(longer2 * each * each, 1.0F)), 0.0F, last_level);
   const auto fine = static_cast<std::size_t>(lod);
   // Half of the way between two levels one of them alone will do; all of it where few taps will.
   const float alone = most_taps > 2 ? 0.25F : 0.49F;
@@ -120,19 +149,17 @@ cv::Vec3f Texture::sample(const Eigen::Vector2f& uv, const Eigen::Vector2f& du,
   const bool both = share > 0.0F && share < 1.0F;
   Float4 sum = {};
   for (int i = 0; i < taps; ++i) {
-    const float along = (static_cast<float>(i) + 0.5F) / static_cast<float>(taps) - 0.5F;
-    const Eigen::Vector2f at = uv + along * axis;
-    Float4 colour = bilinear(level, at);
-    if (both) colour += share * (bilinear(levels_[fine + 1], at) - colour);
+    const float along = (static_cast<float>(i) + 0.5F) * each - 0.5F;
+    const float u = uv.x() + along * axis.x(), v = uv.y() + along * axis.y();
+    Float4 colour = bilinear(level, u, v);
+    if (both) colour += share * (bilinear(levels_[fine + 1], u, v) - colour);
     sum += colour;
   }
-  sum *= 1.0F / static_cast<float>(taps);
+  sum *= each / 256.0F;
   return {sum[0], sum[1], sum[2]};
 }
 
-float linear_light(float level) {
-  // A table of 1/16 grey levels: the power function would take a third of the shading.
-  constexpr int parts = 16;
+LinearLight::LinearLight() {
   static const auto table = [] {
     std::array<float, 255 * parts + 1> values{};
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -141,7 +168,9 @@ float linear_light(float level) {
     }
     return values;
   }();
-  return table[static_cast<std::size_t>(std::clamp(level, 0.0F, 255.0F) * parts + 0.5F)];
+  table_ = table.data();
 }
+
+float linear_light(float level) { return LinearLight()(level); }
 
 }  // namespace dkp_slam

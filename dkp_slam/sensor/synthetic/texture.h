@@ -31,17 +31,33 @@ class Texture {
  private:
   struct Level {
     int width, height;
-    std::vector<std::uint32_t> texels;  ///< row by row; blue, green, red from the lowest byte on
+    /// Row by row; blue, green, red from the lowest byte on. Each row ends with one texel more,
+    /// what lies right of its last one, so that neighbours are always read together.
+    std::vector<std::uint32_t> texels;
   };
   /// Four numbers that the processor handles at once (GCC's and Clang's vector extension).
   using Float4 = float __attribute__((vector_size(16)));
-  Float4 bilinear(const Level& level, const Eigen::Vector2f& uv) const;
+  /// In units of 1/256 grey level.
+  Float4 bilinear(const Level& level, float u, float v) const;
 
   std::vector<Level> levels_;
   bool wrap_;
 };
 
 /// Linear light, 0 to 1, of a grey level, 0 to 255, in sRGB (IEC 61966-2-1).
+class LinearLight {
+ public:
+  LinearLight();
+  float operator()(float level) const {
+    const float in_range = level < 0.0F ? 0.0F : level > 255.0F ? 255.0F : level;
+    return table_[static_cast<int>(in_range * parts + 0.5F)];
+  }
+
+ private:
+  /// Of a grey level between two entries: the power function would take a third of the shading.
+  static constexpr int parts = 16;
+  const float* table_;
+};
 float linear_light(float level);
 
 }  // namespace dkp_slam
