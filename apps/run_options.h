@@ -13,8 +13,8 @@ namespace dkp_slam::apps {
 struct RunOptions {
   std::string sequence, camera;
   std::filesystem::path out, classes;
-  std::filesystem::path map;       ///< file to go on from and to keep up to date; empty for none
-  std::filesystem::path localize;  ///< map file to find the camera in; empty for none
+  std::filesystem::path map;         ///< file to go on from and to keep up to date; empty for none
+  std::filesystem::path localize;    ///< map file to find the camera in; empty for none
   std::filesystem::path detections;  ///< recorded ones instead of a detector's; empty for none
   DynamicsMode mode = DynamicsMode::dkp_plus;
   DetectorOptions detector;

@@ -1,7 +1,8 @@
 // A process for map_kill_test to kill: grows a map and keeps its file up to date.
-//   map_kill_child FILE LOG [BYTES]
-// Goes on where FILE ended. A line in LOG after each step: nanoseconds of the steady clock, steps.
-// BYTES: as if the disk were full when a file reaches this size; the process ends with the error.
+//   map_kill_child FILE LOG STEPS [BYTES]
+// Goes on where FILE ended, and lets go of it every so many STEPS, to take hold of it again. A line
+// in LOG after each step: nanoseconds of the steady clock, steps. BYTES: as if the disk were full
+// when a file reaches this size; the process ends with the error.
 
 #include <chrono>
 #include <csignal>
@@ -23,8 +24,7 @@ namespace {
 using dkp_slam::testing::GrowingMap;
 using Clock = std::chrono::steady_clock;
 
-/// A session of some seconds; as often as it is called.
-void run(const std::filesystem::path& file, GrowingMap& grown, std::FILE* log) {
+void run_session(const std::filesystem::path& file, int steps, GrowingMap& grown, std::FILE* log) {
   std::unique_ptr<dkp_slam::MapWriter> writer;
   if (std::filesystem::exists(file)) {
     dkp_slam::StoredMap stored = dkp_slam::read_map(file);
@@ -33,7 +33,7 @@ void run(const std::filesystem::path& file, GrowingMap& grown, std::FILE* log) {
   } else {
     writer = std::make_unique<dkp_slam::MapWriter>(file, grown.map);
   }
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < steps; ++i) {
     grown.step();
     const auto now = Clock::now().time_since_epoch();
     std::fprintf(
@@ -50,10 +50,10 @@ void run(const std::filesystem::path& file, GrowingMap& grown, std::FILE* log) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) return 2;
-  if (argc > 3) {
+  if (argc < 4) return 2;
+  if (argc > 4) {
     std::signal(SIGXFSZ, SIG_IGN);
-    const rlim_t bytes = std::strtoul(argv[3], nullptr, 10);
+    const rlim_t bytes = std::strtoul(argv[4], nullptr, 10);
     const rlimit limit{bytes, bytes};
     if (setrlimit(RLIMIT_FSIZE, &limit) != 0) return 3;
   }
@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
   if (!log) return 3;
   try {
     GrowingMap grown;
-    while (true) run(argv[1], grown, log);
+    while (true) run_session(argv[1], std::atoi(argv[3]), grown, log);
   } catch (const dkp_slam::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -14,7 +14,6 @@ namespace {
 // Bounds of what is plausible: a wrong number must not make the program ask for all memory.
 constexpr int most_keyframe_ids = 10'000'000;
 constexpr int most_landmark_ids = 200'000'000;
-constexpr float most_pixels = 1e6F;
 
 bool plausible(const Se3& pose) {
   return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
@@ -50,10 +49,8 @@ std::optional<std::string> problem_of(const FrameFeatures& features, int levels)
     if (other != count) return "its features' lists differ in length";
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const cv::Point2f& p = features.pixel[i];
     const float depth = features.depth[i];
-    if (!(std::abs(p.x) < most_pixels && std::abs(p.y) < most_pixels))
-      return fmt::format("feature {} lies nowhere", i);
+    if (!is_pixel(features.pixel[i])) return fmt::format("feature {} lies nowhere", i);
     if (!std::isfinite(depth) || depth < 0.0F || !std::isfinite(features.angle[i]))
       return fmt::format("feature {} has an impossible depth or angle", i);
     if (features.level[i] >= levels) return fmt::format("feature {} is on no level", i);
@@ -118,6 +115,11 @@ Landmark stripped(const Landmark& l) {
 }
 
 }  // namespace
+
+bool is_pixel(const cv::Point2f& point) {
+  constexpr float most = 1e6F;
+  return std::abs(point.x) < most && std::abs(point.y) < most;
+}
 
 std::optional<std::string> MapParts::check() const {
   if (const auto reason = camera.check()) return "camera: " + *reason;

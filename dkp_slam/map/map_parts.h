@@ -34,6 +34,9 @@ struct MapParts {
   std::optional<std::string> check() const;
 };
 
+/// False for what no feature's place can be, NaN among it.
+bool is_pixel(const cv::Point2f& point);
+
 /// The parts of a map; `Map(parts_of(map))` is the same map with everything that was computed
 /// computed anew.
 MapParts parts_of(const Map& map);

@@ -1,10 +1,9 @@
 #include "dkp_slam/map/map_rows.h"
 
+#include <array>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <set>
-#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -170,7 +169,7 @@ FrameFeatures read_features(const Database& database, const Statement& row, int 
   const std::size_t count = row.blob(3).size();  // of the levels, a byte each
   auto pixels = values<cv::Point2f>(database, row, 1, id, count);
   for (const cv::Point2f& p : pixels) {
-    if (!(std::abs(p.x) < 1e6F && std::abs(p.y) < 1e6F))
+    if (!is_pixel(p))
       sqlite::throw_damaged(database.file(), fmt::format("keyframe {}: a pixel is none", id));
   }
   return {camera,

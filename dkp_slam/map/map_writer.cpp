@@ -94,14 +94,16 @@ void MapWriter::work() {
   while (true) {
     changed_.wait(lock, [&] { return busy_ || closing_; });
     if (!busy_) return;
-    const MapChange change = std::exchange(change_, {});
-    lock.unlock();
     std::string failure;
-    try {
-      write_change(*database_, change);
-    } catch (const std::exception& error) {
-      failure = error.what();
-    }
+    {
+      const MapChange change = std::exchange(change_, {});
+      lock.unlock();
+      try {
+        write_change(*database_, change);
+      } catch (const std::exception& error) {
+        failure = error.what();
+      }
+    }  // a large change takes its time to be freed, too
     lock.lock();
     busy_ = false;
     failure_ = failure;
