@@ -217,14 +217,17 @@ std::vector<int> Map::best_covisible(int keyframe_id, int count) const {
 }
 
 std::vector<int> Map::landmarks_of(const std::vector<int>& keyframes) const {
+  // Keyframes of one place share most of them: far fewer are left to sort than are met.
+  std::vector<char> met(static_cast<std::size_t>(landmark_ids()), 0);
   std::vector<int> ids;
   for (const int k : keyframes) {
     for (const int l : keyframe(k).landmarks) {
-      if (l >= 0) ids.push_back(l);
+      if (l < 0 || met[static_cast<std::size_t>(l)]) continue;
+      met[static_cast<std::size_t>(l)] = 1;
+      ids.push_back(l);
     }
   }
   std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
 }
 

@@ -166,20 +166,22 @@ bool Tracker::track_reference_keyframe(Frame& frame) {
 }
 
 std::vector<int> Tracker::local_landmarks(Frame& frame) const {
-  std::map<int, int> votes;
+  std::vector<int> votes(static_cast<std::size_t>(map_.keyframe_ids()), 0);
+  std::vector<int> keyframes;
+  const auto vote = [&](int k) {
+    if (votes[static_cast<std::size_t>(k)]++ == 0) keyframes.push_back(k);
+  };
   for (const int l : frame.landmark) {
     if (l < 0) continue;
-    for (const Sighting& s : map_.landmark(l).sightings) ++votes[s.keyframe];
+    for (const Sighting& s : map_.landmark(l).sightings) vote(s.keyframe);
   }
-  if (votes.empty()) votes[frame.reference_keyframe] = 1;
-  const auto best = std::max_element(
-      votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  frame.reference_keyframe = best->first;
-
-  std::vector<int> keyframes;
-  for (const auto& [k, n] : votes) keyframes.push_back(k);
-  std::stable_sort(keyframes.begin(), keyframes.end(),
-                   [&](int a, int b) { return votes[a] > votes[b]; });
+  if (keyframes.empty()) vote(frame.reference_keyframe);
+  std::sort(keyframes.begin(), keyframes.end(), [&](int a, int b) {
+    const int votes_a = votes[static_cast<std::size_t>(a)];
+    const int votes_b = votes[static_cast<std::size_t>(b)];
+    return votes_a != votes_b ? votes_a > votes_b : a < b;
+  });
+  frame.reference_keyframe = keyframes.front();
   for (std::size_t i = 0, direct = keyframes.size(); i < direct; ++i) {
     if (static_cast<int>(keyframes.size()) >= options_.local_keyframes) break;
     for (const int n : map_.best_covisible(keyframes[i], 10)) {
