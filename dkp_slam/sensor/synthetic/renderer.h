@@ -18,7 +18,7 @@ using LampBrightness = std::function<double(double time)>;
 struct RenderOptions {
   double exposure = 0.0;  ///< seconds over which each row gathers light: motion blur
   double readout = 0.0;   ///< seconds from the first row's moment to the last's, around `time`
-  int samples = 4;        ///< rays per pixel: edges and blur
+  int samples = 3;        ///< rays per pixel: edges and blur
 };
 
 /// What the camera sees, linear in light where it is colour, without sensor noise.
