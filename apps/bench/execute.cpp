@@ -90,6 +90,11 @@ void read_output(const BenchJob& job, const fs::path& out, RunRecord& record) {
       summary.at("frames").get<std::size_t>() + summary.at("skipped_frames").get<std::size_t>();
   record.features = summary.at("features");
   record.removed = summary.at("features_removed");
+  record.keyframes = summary.at("keyframes");
+  record.landmarks = summary.at("landmarks");
+  record.loops_closed = summary.at("loops_closed");
+  record.maps_joined = summary.at("maps_joined");
+  record.maps = summary.at("maps").size();
   record.peak_memory_mb = summary.at("peak_memory_mb");
   record.stage_ms = summary.at("median_ms").get<std::map<std::string, double>>();
   const Trajectory truth = read_trajectory(job.sequence.folder / "groundtruth.txt");

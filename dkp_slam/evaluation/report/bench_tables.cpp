@@ -249,8 +249,9 @@ std::string times_section(const RecordSet& set) {
 
 std::string every_run_table(const RecordSet& set) {
   HtmlTable table(
-      {"sequence", "mode, detector", "seed", "frames", "lost", "ATE [m]", "S.D. [m]", "RPE 1 s [m]",
-       "frame [ms]", "total [s]", "processor [s]", "memory [MB]", "others [%]", "date", "problem"},
+      {"sequence",    "mode, detector", "seed",        "frames",     "lost",  "ATE [m]", "S.D. [m]",
+       "RPE 1 s [m]", "frame [ms]",     "keyframes",   "landmarks",  "loops", "joins",   "maps",
+       "total [s]",   "processor [s]",  "memory [MB]", "others [%]", "date",  "problem"},
       2);
   for (const RunRecord& r : set.records()) {
     const Runs runs{&r};
@@ -261,9 +262,11 @@ std::string every_run_table(const RecordSet& set) {
     if (r.problem.empty()) {
       row.insert(row.end(), {std::to_string(r.frames), std::to_string(r.lost), number(r.ate_m, 5),
                              number(r.ate_deviation_m, 5), cell(runs, rpe_second, 5),
-                             cell(runs, stage("frame"), 1)});
+                             cell(runs, stage("frame"), 1), std::to_string(r.keyframes),
+                             std::to_string(r.landmarks), std::to_string(r.loops_closed),
+                             std::to_string(r.maps_joined), std::to_string(r.maps)});
     } else {
-      row.resize(row.size() + 6);
+      row.resize(row.size() + 11);
     }
     row.insert(row.end(),
                {number(r.total_s, 1), number(r.processor_s, 1), number(r.peak_memory_mb, 0),
@@ -273,8 +276,9 @@ std::string every_run_table(const RecordSet& set) {
   return html_heading("Every run", "runs") +
          html_paragraph(
              "Others: the share of the machine's processor time that other processes took "
-             "meanwhile, "
-             "other runs of this bench among them.") +
+             "meanwhile, other runs of this bench among them. Loops: closed within a map; joins: "
+             "of "
+             "two maps into one; maps: that frames were localised in and that never met.") +
          table.text();
 }
 

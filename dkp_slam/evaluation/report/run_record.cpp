@@ -127,6 +127,11 @@ std::string to_json_line(const RunRecord& r) {
   put(json, "rpe_frame_deg", r.rpe_frame_deg);
   json["features"] = r.features;
   json["removed"] = r.removed;
+  json["keyframes"] = r.keyframes;
+  json["landmarks"] = r.landmarks;
+  json["loops_closed"] = r.loops_closed;
+  json["maps_joined"] = r.maps_joined;
+  json["maps"] = r.maps;
   json["stage_ms"] = r.stage_ms;
   json["total_s"] = r.total_s;
   json["processor_s"] = r.processor_s;
@@ -164,6 +169,11 @@ RunRecord parse_json_line(const std::string& line) {
     r.rpe_frame_deg = optional_number(json, "rpe_frame_deg");
     r.features = json.at("features");
     r.removed = json.at("removed");
+    r.keyframes = json.at("keyframes");
+    r.landmarks = json.at("landmarks");
+    r.loops_closed = json.at("loops_closed");
+    r.maps_joined = json.at("maps_joined");
+    r.maps = json.at("maps");
     r.stage_ms = json.at("stage_ms").get<std::map<std::string, double>>();
     r.total_s = json.at("total_s");
     r.processor_s = json.at("processor_s");

@@ -27,9 +27,12 @@ struct RunRecord {
   std::optional<double> rpe_s_m, rpe_s_deg;          ///< RMSE over one second
   std::optional<double> rpe_frame_m, rpe_frame_deg;  ///< RMSE from frame to frame
   std::size_t features = 0, removed = 0;             ///< over all frames
-  std::map<std::string, double> stage_ms;            ///< medians over frames, by stage
-  double total_s = 0.0;                              ///< the process from start to end
-  double processor_s = 0.0;                          ///< of all its threads
+  std::size_t keyframes = 0, landmarks = 0;          ///< of the map at the end
+  std::size_t loops_closed = 0, maps_joined = 0;
+  std::size_t maps = 0;  ///< that frames were localised in and that never met; 1 as a rule
+  std::map<std::string, double> stage_ms;  ///< medians over frames, by stage
+  double total_s = 0.0;                    ///< the process from start to end
+  double processor_s = 0.0;                ///< of all its threads
   double others_share = 0.0;  ///< of the machine's processor time that other processes took
   double peak_memory_mb = 0.0;
   int jobs = 1;  ///< runs at the same time

@@ -34,6 +34,11 @@ RunRecord sample() {
   r.rpe_frame_deg = 1e-9;
   r.features = 612345;
   r.removed = 12345;
+  r.keyframes = 51;
+  r.landmarks = 1384;
+  r.loops_closed = 2;
+  r.maps_joined = 1;
+  r.maps = 3;
   r.stage_ms = {{"tracking", 7.125}, {"frame", 21.5}};
   r.total_s = 20.25;
   r.processor_s = 33.0;
