@@ -16,6 +16,7 @@
 #include "apps/test_sequence.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/map/map_file.h"
+#include "dkp_slam/map/test_folder.h"
 #include "dkp_slam/map/test_map.h"
 
 namespace dkp_slam {
@@ -31,16 +32,8 @@ using ::testing::HasSubstr;
 
 constexpr int frame_count = 12;
 
-class MapCommand : public ::testing::Test {
+class MapCommand : public testing::FolderTest {
  protected:
-  void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / (std::string("map_command_") + info->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Program start(const std::vector<std::string>& arguments) const {
     return Program(folder_, arguments, {"HOME=" + folder_.string()});
   }
@@ -74,7 +67,6 @@ class MapCommand : public ::testing::Test {
   fs::path out() const { return folder_ / "out"; }
   fs::path map() const { return folder_ / "wall.map"; }
 
-  fs::path folder_;
   std::unique_ptr<WallSequence> sequence_;
   std::string stdout_, stderr_;
 };

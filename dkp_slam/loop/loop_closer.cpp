@@ -5,19 +5,10 @@
 #include <spdlog/spdlog.h>
 
 #include "dkp_slam/loop/place_joining.h"
+#include "dkp_slam/map/map_parts.h"
 #include "dkp_slam/tracking/relocalizer.h"
 
 namespace dkp_slam {
-namespace {
-
-/// The nearest ancestor in the spanning tree that is still in the map.
-int live_parent(const Map& map, int keyframe) {
-  int parent = map.keyframe(keyframe).parent;
-  while (parent >= 0 && map.keyframe(parent).removed) parent = map.keyframe(parent).parent;
-  return parent;
-}
-
-}  // namespace
 
 std::optional<ClosedLoop> LoopCloser::close(Map& map, const PlaceIndex& places,
                                             const MeasurementModel& model, int keyframe) {
@@ -66,6 +57,7 @@ PoseGraph LoopCloser::essential_graph(const Map& map, int which,
   PoseGraph graph;
   node_of_keyframe.assign(static_cast<std::size_t>(map.keyframe_ids()), -1);
   const std::vector<int> keyframes = map.keyframes_in(which);
+  const std::vector<int> ancestor = live_ancestors(map);
   for (const int k : keyframes) {
     node_of_keyframe[static_cast<std::size_t>(k)] = static_cast<int>(graph.nodes.size());
     graph.nodes.push_back({map.keyframe(k).camera_from_world, graph.nodes.empty()});
@@ -80,7 +72,8 @@ PoseGraph LoopCloser::essential_graph(const Map& map, int which,
       add(other, k, keyframe.camera_from_world * map.keyframe(other).camera_from_world.inverse(),
           1.0);
     };
-    const int parent = live_parent(map, k);
+    const int parent =
+        keyframe.parent < 0 ? -1 : ancestor[static_cast<std::size_t>(keyframe.parent)];
     if (parent >= 0) add_present(parent);
     for (const auto& [other, shared] : keyframe.covisible) {
       if (other < k && other != parent && shared >= options_.least_shared) add_present(other);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <set>
 
 #include "dkp_slam/map/map_parts.h"
 
@@ -116,15 +115,13 @@ void ChangeFinder::find_landmarks(const Map& map, MapChange& change) {
 }
 
 void ChangeFinder::find_counts(const Map& map, MapChange& change) {
-  std::set<int> live;
-  for (int id = 0; id < map.keyframe_ids(); ++id) {
-    if (!map.keyframe(id).removed) live.insert(map.keyframe(id).map);
-  }
   change.keyframe_ids = map.keyframe_ids();
   change.landmark_ids = map.landmark_ids();
   change.maps = map.maps();
   change.current_map = map.current_map();
-  change.live_maps.assign(live.begin(), live.end());
+  for (int which = 0; which < map.maps(); ++which) {
+    if (map.live_keyframes_in(which) > 0) change.live_maps.push_back(which);
+  }
   change.counts_changed = first_ || change.keyframe_ids != keyframe_ids_ ||
                           change.landmark_ids != landmark_ids_ || change.maps != maps_ ||
                           change.current_map != current_map_ || change.live_maps != live_maps_;

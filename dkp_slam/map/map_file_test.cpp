@@ -15,6 +15,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/map/map_writer.h"
 #include "dkp_slam/map/sqlite.h"
+#include "dkp_slam/map/test_folder.h"
 #include "dkp_slam/map/test_map.h"
 
 namespace dkp_slam {
@@ -28,16 +29,12 @@ using testing::difference;
 using testing::GrowingMap;
 using ::testing::HasSubstr;
 
-class MapFile : public ::testing::Test {
+class MapFile : public testing::FolderTest {
  protected:
   void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / (std::string("map_file_") + info->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    FolderTest::SetUp();
     file_ = folder_ / "room 1 %20.map";
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   /// Names and contents of everything in the test's folder.
   std::map<std::string, std::string> contents() const {
@@ -67,7 +64,7 @@ class MapFile : public ::testing::Test {
     EXPECT_EQ(contents(), before) << why;
   }
 
-  fs::path folder_, file_;
+  fs::path file_;
 };
 
 TEST_F(MapFile, AMapComesBackAsItWas) {

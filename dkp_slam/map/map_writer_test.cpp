@@ -9,6 +9,7 @@
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/map/sqlite.h"
+#include "dkp_slam/map/test_folder.h"
 #include "dkp_slam/map/test_map.h"
 
 namespace dkp_slam {
@@ -20,22 +21,18 @@ using testing::difference;
 using testing::GrowingMap;
 using ::testing::HasSubstr;
 
-class Writing : public ::testing::Test {
+class Writing : public testing::FolderTest {
  protected:
   void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / (std::string("map_writer_") + info->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    FolderTest::SetUp();
     file_ = folder_ / "room.map";
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   static void wait_until_due(const MapWriter& writer) {
     while (!writer.due()) std::this_thread::sleep_for(1ms);
   }
 
-  fs::path folder_, file_;
+  fs::path file_;
 };
 
 TEST_F(Writing, ManyUpdatesAreOneSave) {

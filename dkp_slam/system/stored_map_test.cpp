@@ -7,6 +7,7 @@
 
 #include "dkp_slam/map/map_file.h"
 #include "dkp_slam/map/map_writer.h"
+#include "dkp_slam/map/test_folder.h"
 #include "dkp_slam/map/test_map.h"
 #include "dkp_slam/system/slam.h"
 #include "dkp_slam/system/test_recording.h"
@@ -42,18 +43,14 @@ void play(Slam& slam, MapWriter* writer) {
   if (writer) writer->finish(slam.map());
 }
 
-class StoredMapOfARun : public ::testing::Test {
+class StoredMapOfARun : public testing::FolderTest {
  protected:
   void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / (std::string("stored_map_") + info->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    FolderTest::SetUp();
     file_ = folder_ / "room.map";
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  fs::path folder_, file_;
+  fs::path file_;
 };
 
 TEST_F(StoredMapOfARun, ComesBackAsItWasAndSavingChangesNoRun) {
