@@ -32,6 +32,11 @@ RunRecord record(const std::string& sequence, const std::string& mode, std::uint
   r.seed = seed;
   r.frames = 40;
   r.lost = 2;
+  r.keyframes = 17;
+  r.landmarks = 1234;
+  r.loops_closed = 4;
+  r.maps_joined = 5;
+  r.maps = 6;
   r.ate_m = ate;
   r.ate_deviation_m = ate / 2.0;
   r.rpe_s_m = 0.0321;
@@ -175,12 +180,14 @@ TEST_F(BenchReport, EveryRunIsListedAndFailedOnesWithTheirReason) {
   EXPECT_THAT(page.substr(runs), HasSubstr("exit code 1: &lt;camera&gt; broken"));
   EXPECT_THAT(page.substr(runs),
               HasSubstr("<th>seed</th><th>frames</th><th>lost</th><th>ATE [m]</th><th>S.D. [m]</th>"
-                        "<th>RPE 1 s [m]</th><th>frame [ms]</th><th>total [s]</th>"
+                        "<th>RPE 1 s [m]</th><th>frame [ms]</th><th>keyframes</th><th>landmarks</th>"
+                        "<th>loops</th><th>joins</th><th>maps</th><th>total [s]</th>"
                         "<th>processor [s]</th><th>memory [MB]</th><th>others [%]</th>"
                         "<th>date</th><th>problem</th>"));
   EXPECT_THAT(page.substr(runs),
               HasSubstr("<td>3</td><td>40</td><td>2</td><td>0.01150</td><td>0.00575</td>"
-                        "<td>0.03210</td><td>17.8</td><td>2.5</td><td>3.5</td><td>222</td>"
+                        "<td>0.03210</td><td>17.8</td><td>17</td><td>1234</td><td>4</td><td>5</td>"
+                        "<td>6</td><td>2.5</td><td>3.5</td><td>222</td>"
                         "<td>0</td><td>2026-02-03T04:05:06Z</td><td></td>"));
   EXPECT_THAT(page, HasSubstr("1 of the runs failed"));
   // It counts in no figure.
