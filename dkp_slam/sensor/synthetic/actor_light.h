@@ -12,7 +12,9 @@ namespace dkp_slam {
 /// of everything, and what the place around each actor reflects.
 class ActorLight {
  public:
-  ActorLight(const EmbreeScene& scene, const Lamps& lamps, const LightMap& map);
+  /// For a camera near `eye`: what faces away from it gets no light of the lamps.
+  ActorLight(const EmbreeScene& scene, const Lamps& lamps, const LightMap& map,
+             const Eigen::Vector3f& eye);
   /// On an actor's surface.
   Light at(const SurfaceHit& hit) const;
 
@@ -23,7 +25,7 @@ class ActorLight {
 
   Cube around(int instance) const;
   void shine(const Lamps& lamps, const Surface& surface, const Cube& cube,
-             std::vector<Light>* lights) const;
+             const std::vector<int>& vertices, std::vector<Light>* lights) const;
 
   const EmbreeScene& scene_;
   const LightMap& map_;

@@ -14,28 +14,23 @@
 namespace dkp_slam {
 namespace {
 
-// Limbs swing by a millimetre at most off a straight line in this time.
-constexpr double longest_step = 0.02;  // seconds
-constexpr int middle_step = -1;        // the pose in the middle of the time
+// The fastest limbs move by two pixels meanwhile; the camera's own motion is each ray's.
+constexpr double longest_moment = 0.003;  // seconds
 
-void copy_vertices(const std::vector<Eigen::Vector3f>& vertices, RTCGeometry geometry, int step) {
-  void* buffer =
-      rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step));
+void copy_vertices(const std::vector<Eigen::Vector3f>& vertices, RTCGeometry geometry) {
+  void* buffer = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
   std::memcpy(buffer, vertices.data(), vertices.size() * sizeof(Eigen::Vector3f));
-  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step));
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
 }
 
-RTCGeometry new_geometry(RTCDevice device, const Mesh& mesh, int time_steps) {
+RTCGeometry new_geometry(RTCDevice device, const Mesh& mesh) {
   const auto vertices = mesh.rest.vertices.size();
   if (mesh.uv.size() != vertices || mesh.rest.normals.size() != vertices || !mesh.texture) {
     throw Error("synthetic mesh: needs a normal and a uv for each vertex, and a texture");
   }
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(time_steps));
-  for (int step = 0; step < time_steps; ++step) {
-    rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step),
-                            RTC_FORMAT_FLOAT3, sizeof(Eigen::Vector3f), vertices);
-  }
+  rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                          sizeof(Eigen::Vector3f), vertices);
   auto* index = static_cast<std::uint32_t*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                               3 * sizeof(std::uint32_t), mesh.triangles.size()));
@@ -66,7 +61,7 @@ void fill(const Rays& rays, int count, Packet* ray, int* valid) {
     ray->dir_z[i] = off_zero(r.direction.z());
     ray->tnear[i] = 0.0F;
     ray->tfar[i] = r.longest;
-    ray->time[i] = r.moment;
+    ray->time[i] = 0.0F;
     ray->mask[i] = ~0U;
     ray->id[i] = 0;
     ray->flags[i] = 0;
@@ -76,12 +71,15 @@ void fill(const Rays& rays, int count, Packet* ray, int* valid) {
 }  // namespace
 
 struct EmbreeScene::Trees {
+  /// The actors at one moment.
+  struct Moment {
+    RTCScene scene = nullptr;
+    std::vector<RTCGeometry> geometries;  ///< owned by the scene
+  };
+
   RTCDevice device = nullptr;
   RTCScene still = nullptr;
-  /// Actors in the middle of the time, and over all of it where that is longer than a moment.
-  RTCScene frozen = nullptr, moving = nullptr;
-  std::vector<RTCGeometry> frozen_geometries, moving_geometries;  ///< owned by the scenes
-  int time_steps = 0;                                             ///< of `moving`; 1: it is idle
+  std::vector<Moment> moments;
 
   // Embree's default number of threads: a limit here would hold for all of TBB in this process.
   Trees() : device(rtcNewDevice(nullptr)) {
@@ -94,11 +92,23 @@ struct EmbreeScene::Trees {
     rtcSetSceneFlags(still, RTC_SCENE_FLAG_ROBUST);
   }
   ~Trees() {
-    for (RTCScene actors : {frozen, moving}) {
-      if (actors != nullptr) rtcReleaseScene(actors);
-    }
+    for (const Moment& moment : moments) rtcReleaseScene(moment.scene);
     if (still != nullptr) rtcReleaseScene(still);
     rtcReleaseDevice(device);
+  }
+
+  void add_moment(const std::vector<Surface>& surfaces, std::size_t first) {
+    Moment& moment = moments.emplace_back();
+    moment.scene = rtcNewScene(device);
+    rtcSetSceneFlags(moment.scene,
+                     static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
+    rtcSetSceneBuildQuality(moment.scene, RTC_BUILD_QUALITY_LOW);
+    for (std::size_t i = first; i < surfaces.size(); ++i) {
+      RTCGeometry geometry = new_geometry(device, *surfaces[i].mesh);
+      rtcAttachGeometryByID(moment.scene, geometry, static_cast<unsigned>(i));
+      rtcReleaseGeometry(geometry);
+      moment.geometries.push_back(geometry);
+    }
   }
 };
 
@@ -120,8 +130,8 @@ EmbreeScene::~EmbreeScene() = default;
 
 void EmbreeScene::build_still() {
   for (std::size_t i = 0; i < still_.size(); ++i) {
-    RTCGeometry geometry = new_geometry(trees_->device, still_[i], 1);
-    copy_vertices(still_[i].rest.vertices, geometry, 0);
+    RTCGeometry geometry = new_geometry(trees_->device, still_[i]);
+    copy_vertices(still_[i].rest.vertices, geometry);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(trees_->still, geometry, static_cast<unsigned>(i));
     rtcReleaseGeometry(geometry);
@@ -130,88 +140,69 @@ void EmbreeScene::build_still() {
   rtcCommitScene(trees_->still);
 }
 
-void EmbreeScene::attach_actor_meshes(int time_steps) {
-  Trees& t = *trees_;
-  const auto attach = [&](int steps, RTCScene* scene, std::vector<RTCGeometry>* geometries) {
-    if (*scene != nullptr) rtcReleaseScene(*scene);
-    *scene = rtcNewScene(t.device);
-    rtcSetSceneFlags(*scene,
-                     static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
-    rtcSetSceneBuildQuality(*scene, RTC_BUILD_QUALITY_LOW);
-    geometries->clear();
-    for (std::size_t i = still_.size(); i < surfaces_.size(); ++i) {
-      RTCGeometry geometry = new_geometry(t.device, *surfaces_[i].mesh, steps);
-      rtcAttachGeometryByID(*scene, geometry, static_cast<unsigned>(i));
-      rtcReleaseGeometry(geometry);
-      geometries->push_back(geometry);
-    }
-  };
-  if (t.frozen == nullptr) attach(1, &t.frozen, &t.frozen_geometries);
-  if (time_steps > 1 && t.time_steps != time_steps) {
-    attach(time_steps, &t.moving, &t.moving_geometries);
-  }
-  t.time_steps = time_steps;
+int EmbreeScene::moments() const { return static_cast<int>(trees_->moments.size()); }
+
+int EmbreeScene::moment_at(float share) const {
+  return std::clamp(static_cast<int>(share * static_cast<float>(moments())), 0, moments() - 1);
 }
 
-void EmbreeScene::set_pose(std::size_t surface, int step, MeshPose pose) {
-  Surface& s = surfaces_[surface];
-  if (pose.vertices.size() != s.mesh->rest.vertices.size() ||
-      pose.normals.size() != pose.vertices.size()) {
-    throw Error("synthetic actor: a pose has another number of vertices than its mesh");
+/// Gives the actor's pose to its surfaces and to all trees.
+void EmbreeScene::pose_actor(std::size_t actor, double begin, double end) {
+  const auto first = static_cast<std::size_t>(
+      std::find_if(surfaces_.begin(), surfaces_.end(),
+                   [&](const Surface& s) { return s.instance == static_cast<int>(actor) + 1; }) -
+      surfaces_.begin());
+  const auto pose_at = [&](double time) {
+    std::vector<MeshPose> poses = actors_[actor]->at(time);
+    for (std::size_t m = 0; m < poses.size(); ++m) {
+      const std::size_t vertices = surfaces_[first + m].mesh->rest.vertices.size();
+      if (poses[m].vertices.size() == vertices && poses[m].normals.size() == vertices) continue;
+      throw Error("synthetic actor: a pose has another number of vertices than its mesh");
+    }
+    return poses;
+  };
+  for (int moment = 0; moment < moments(); ++moment) {
+    std::vector<MeshPose> poses = pose_at(begin + (end - begin) * (moment + 0.5) / moments());
+    for (std::size_t m = 0; m < poses.size(); ++m) {
+      copy_vertices(
+          poses[m].vertices,
+          trees_->moments[static_cast<std::size_t>(moment)].geometries[first + m - still_.size()]);
+      if (moment == middle()) surfaces_[first + m].middle = std::move(poses[m]);
+    }
   }
-  const std::size_t geometry = surface - still_.size();
-  if (step == middle_step) {
-    copy_vertices(pose.vertices, trees_->frozen_geometries[geometry], 0);
-    s.middle = std::move(pose);
-    return;
+  std::vector<MeshPose> at_begin = pose_at(begin), at_end = pose_at(end);
+  for (std::size_t m = 0; m < at_begin.size(); ++m) {
+    surfaces_[first + m].first = std::move(at_begin[m].vertices);
+    surfaces_[first + m].last = std::move(at_end[m].vertices);
   }
-  copy_vertices(pose.vertices, trees_->moving_geometries[geometry], step);
-  if (step == 0) s.first = pose.vertices;
-  if (step == trees_->time_steps - 1) s.last = std::move(pose.vertices);
 }
 
 void EmbreeScene::pose_actors(double begin, double end) {
-  const double span = end - begin;
-  const int steps = span > 0.0 ? 1 + static_cast<int>(std::ceil(span / longest_step)) : 1;
-  attach_actor_meshes(steps);
-  std::vector<std::size_t> first_surface;
-  std::size_t next = still_.size();
-  for (const auto& actor : actors_) {
-    first_surface.push_back(next);
-    next += actor->meshes().size();
-  }
-  const auto pose_actor = [&](std::size_t a, int step, double time) {
-    std::vector<MeshPose> poses = actors_[a]->at(time);
-    for (std::size_t m = 0; m < poses.size(); ++m) {
-      set_pose(first_surface[a] + m, step, std::move(poses[m]));
+  const int pairs = static_cast<int>(std::ceil((end - begin) / longest_moment / 2.0 - 0.5));
+  const auto wanted = static_cast<std::size_t>(1 + 2 * std::max(pairs, 0));
+  if (trees_->moments.size() > wanted) {
+    for (std::size_t i = wanted; i < trees_->moments.size(); ++i) {
+      rtcReleaseScene(trees_->moments[i].scene);
     }
-  };
+    trees_->moments.resize(wanted);
+  }
+  while (trees_->moments.size() < wanted) trees_->add_moment(surfaces_, still_.size());
   cv::parallel_for_({0, static_cast<int>(actors_.size())}, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
-      const auto a = static_cast<std::size_t>(i);
-      pose_actor(a, middle_step, begin + 0.5 * span);
-      for (int step = 0; steps > 1 && step < steps; ++step) {
-        pose_actor(a, step, begin + span * step / (steps - 1));
-      }
-      for (std::size_t s = first_surface[a]; steps == 1 && s < surfaces_.size(); ++s) {
-        if (surfaces_[s].instance != i + 1) break;
-        surfaces_[s].first = surfaces_[s].last = surfaces_[s].middle.vertices;
-      }
+      pose_actor(static_cast<std::size_t>(i), begin, end);
     }
   });
-  const auto commit = [](RTCScene scene, const std::vector<RTCGeometry>& geometries) {
-    for (RTCGeometry geometry : geometries) rtcCommitGeometry(geometry);
-    rtcCommitScene(scene);
-  };
-  commit(trees_->frozen, trees_->frozen_geometries);
-  // From the first pose's tree on boxes only follow their triangles: a fifth of the work.
-  for (RTCGeometry geometry : trees_->frozen_geometries) {
-    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+  for (const Trees::Moment& moment : trees_->moments) {
+    for (RTCGeometry geometry : moment.geometries) rtcCommitGeometry(geometry);
+    rtcCommitScene(moment.scene);
+    // From the first pose's tree on boxes only follow their triangles: a fifth of the work.
+    for (RTCGeometry geometry : moment.geometries) {
+      rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+    }
   }
-  if (steps > 1 && !actors_.empty()) commit(trees_->moving, trees_->moving_geometries);
 }
 
-SurfaceHits EmbreeScene::trace(const Rays& rays, int count, What what, bool alike) const {
+SurfaceHits EmbreeScene::trace(const Rays& rays, int count, Among among, bool alike) const {
   RTCRayHit16 packet;
   alignas(64) int valid[packet_size];
   fill(rays, count, &packet.ray, valid);
@@ -221,10 +212,10 @@ SurfaceHits EmbreeScene::trace(const Rays& rays, int count, What what, bool alik
   context.flags =
       alike ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   // The second search begins with what the first one found: the nearer hit stays.
-  if (what != What::frozen) rtcIntersect16(valid, trees_->still, &context, &packet);
-  if (what != What::still && !actors_.empty()) {
-    const bool moving = what == What::still_and_moving && trees_->time_steps > 1;
-    rtcIntersect16(valid, moving ? trees_->moving : trees_->frozen, &context, &packet);
+  if (among.still) rtcIntersect16(valid, trees_->still, &context, &packet);
+  if (among.moment >= 0 && !actors_.empty()) {
+    const auto moment = static_cast<std::size_t>(among.moment);
+    rtcIntersect16(valid, trees_->moments[moment].scene, &context, &packet);
   }
   SurfaceHits hits;
   for (int i = 0; i < count; ++i) {
@@ -236,17 +227,18 @@ SurfaceHits EmbreeScene::trace(const Rays& rays, int count, What what, bool alik
   return hits;
 }
 
-unsigned EmbreeScene::blocked(const Rays& rays, int count, What what) const {
+unsigned EmbreeScene::blocked(const Rays& rays, int count, Among among) const {
   RTCRay16 packet;
   alignas(64) int valid[packet_size];
   fill(rays, count, &packet, valid);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  if (what != What::frozen) rtcOccluded16(valid, trees_->still, &context, &packet);
-  if (what != What::still && !actors_.empty()) {
+  if (among.still) rtcOccluded16(valid, trees_->still, &context, &packet);
+  if (among.moment >= 0 && !actors_.empty()) {
     // A ray that is blocked already has a negative end and is skipped.
     for (int i = 0; i < packet_size; ++i) valid[i] = packet.tfar[i] < 0.0F ? 0 : valid[i];
-    rtcOccluded16(valid, trees_->frozen, &context, &packet);
+    const auto moment = static_cast<std::size_t>(among.moment);
+    rtcOccluded16(valid, trees_->moments[moment].scene, &context, &packet);
   }
   unsigned bits = 0;
   for (int i = 0; i < count; ++i) bits |= packet.tfar[i] < 0.0F ? 1U << i : 0U;

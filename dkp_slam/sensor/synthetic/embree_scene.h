@@ -20,11 +20,10 @@ struct SurfaceHit {
   bool operator==(const SurfaceHit&) const = default;
 };
 
-/// A ray: metres, world frame; `moment` 0..1 between the times of `EmbreeScene::pose_actors`.
+/// A ray: metres, world frame.
 struct Ray {
   Eigen::Vector3f origin;
   Eigen::Vector3f direction;
-  float moment = 0.0F;
   float longest = 1e30F;  ///< ends after so many lengths of `direction`
 };
 
@@ -51,16 +50,24 @@ class EmbreeScene {
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-  /// Moves the actors: what is traced from now on happens between the two times, seconds.
+  /// Moves the actors: what is traced from now on happens between the two times, seconds, which
+  /// are cut into moments at which the actors stand still: one, three, five or more.
   void pose_actors(double begin, double end);
+  int moments() const;
+  /// The one in the middle of the time.
+  int middle() const { return moments() / 2; }
+  /// The one that a time belongs to: 0 at the first of `pose_actors`' times, 1 at the second.
+  int moment_at(float share) const;
 
-  /// What rays may meet: what stands still, actors as they are in the middle of the time
-  /// ("frozen"), or, at several times the price, at each ray's own moment ("moving").
-  enum class What { still, frozen, still_and_frozen, still_and_moving };
+  /// What rays may meet.
+  struct Among {
+    bool still = true;  ///< what stands still
+    int moment = -1;    ///< the actors as they are then; -1: none of them
+  };
   /// Nearest hits of the first `count` rays. `alike`: they go about the same way, which is faster.
-  SurfaceHits trace(const Rays& rays, int count, What what, bool alike = true) const;
-  /// Which of the first `count` rays meet anything: bit i of the result; not for moving actors.
-  unsigned blocked(const Rays& rays, int count, What what) const;
+  SurfaceHits trace(const Rays& rays, int count, Among among, bool alike = true) const;
+  /// Which of the first `count` rays meet anything: bit i of the result.
+  unsigned blocked(const Rays& rays, int count, Among among) const;
 
   int surfaces() const { return static_cast<int>(surfaces_.size()); }
   int still_surfaces() const { return static_cast<int>(still_.size()); }
@@ -70,8 +77,7 @@ class EmbreeScene {
   struct Trees;
 
   void build_still();
-  void attach_actor_meshes(int time_steps);
-  void set_pose(std::size_t surface, int step, MeshPose pose);
+  void pose_actor(std::size_t actor, double begin, double end);
 
   std::vector<Mesh> still_;
   std::vector<std::shared_ptr<const Actor>> actors_;

@@ -6,6 +6,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "dkp_slam/sensor/synthetic/actor_reach.h"
+#include "dkp_slam/sensor/synthetic/edge_marks.h"
 #include "dkp_slam/sensor/synthetic/embree_scene.h"
 #include "dkp_slam/sensor/synthetic/light_map.h"
 #include "dkp_slam/sensor/synthetic/renderer.h"
@@ -27,19 +29,13 @@ struct LitScene {
 /// and others, spread over the pixel and the exposure.
 class FramePainter {
  public:
-  /// What the ray through a pixel's centre found.
-  struct CentreHit {
-    SurfaceHit hit;
-    Eigen::Vector3f point, normal;  ///< as in `HitPlane`
-    Eigen::Vector2f uv;
-    Footprint print;
-    Eigen::Vector2f motion;  ///< in the image over the exposure, pixels
-  };
   /// Memory that frames use one after the other: to get it anew for each takes time.
   struct Buffers {
-    std::vector<CentreHit> hits;
-    cv::Mat samples;  ///< CV_8UC1, rays of each pixel; 1: its centre's will do
-    cv::Mat shadows;  ///< CV_32FC1, light lost to actors at every eighth pixel; below 0: unknown
+    std::vector<SeenPoint> seen;  ///< of each pixel, row by row
+    cv::Mat samples;              ///< of `EdgeMarks`
+    /// At every eighth pixel: what is seen there, and its light lost to actors; below 0: unknown.
+    std::vector<SeenPoint> shadow_points;
+    cv::Mat shadows;  ///< CV_32FC1
   };
 
   /// `buffers` must outlive it and serve one painter at a time.
@@ -56,38 +52,44 @@ class FramePainter {
     float weight;
     PixelLight light;
   };
+  /// Rays that may meet the same things, of one row.
+  struct EdgePacket {
+    EmbreeScene::Among among;
+    int count = 0;
+    Rays rays;
+    std::array<EdgeSample, packet_size> samples;
+  };
 
-  static bool is_edge(const CentreHit& a, const CentreHit& b);
   template <class Work>
   void over_rows(int rows, const Work& work) const;
-  CentreHit& centre(int x, int y) {
-    return buffers_.hits[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
+  SeenPoint& seen(int x, int y) {
+    return buffers_.seen[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
                          static_cast<std::size_t>(x)];
   }
   Ray centre_ray(int x, int y) const;
-  void frame_actors();
-  /// What rays through pixels x to x + `count` - 1 of row y may meet.
-  EmbreeScene::What reach(int x, int y, int count, EmbreeScene::What with_actors) const;
-  void trace_centres(int y, Rendering* out);
-  Eigen::Vector2f image_motion(const HitPlane& plane, const RowExposure& row) const;
-  void mark_edges(int y);
-  void mark(int x, int y, const Eigen::Vector2f& motion);
+  /// The rays through the centres of pixels x to x + `count` - 1 meet this.
+  EmbreeScene::Among among(int x, int y, int count) const;
   void trace_shadows(int grid_y);
-  float shadow_at(int x, int y);
-  cv::Vec3f shade_centre(int x, int y);
-  void shade_edges(int y, cv::Vec3f* radiance);
-  Ray edge_ray(int x, int y, int sample, int samples) const;
-  void shade_rays(int y, const Rays& rays, const std::array<EdgeSample, packet_size>& samples,
-                  int count, HitPlanes* planes, cv::Vec3f* radiance) const;
+  float shadow_at(int x, int y, const SeenPoint& here) const;
+  void paint_centres(int y, Rendering* out);
+  void paint_centre(int x, int y, const SurfaceHit& hit, const Ray& ray, HitPlanes* planes,
+                    Rendering* out);
+  Eigen::Vector2f image_motion(const HitPlane& plane, const RowExposure& row) const;
+  cv::Vec3f shade_centre(const SurfaceHit& hit, const HitPlane& plane, const Footprint& print,
+                         const Eigen::Vector2f& motion, const PixelLight& light) const;
+  void paint_edges(int y, cv::Vec3f* radiance);
+  /// `share` of the row's exposure has passed.
+  Ray edge_ray(int x, int y, const Eigen::Vector2f& offset, float share) const;
+  void shade_packet(int y, HitPlanes* planes, EdgePacket* packet, cv::Vec3f* radiance) const;
 
   const LitScene scene_;
   const Camera& camera_;
   const PixelRays& pixels_;
   const Shutter& shutter_;
-  const int samples_;
   std::vector<float> row_brightness_;
-  std::vector<cv::Rect> actors_;  ///< where in the image each of them is during the frame, at most
+  const ActorReach actors_;
   Buffers& buffers_;
+  EdgeMarks edges_;
 };
 
 }  // namespace dkp_slam

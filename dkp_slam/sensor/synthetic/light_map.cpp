@@ -69,7 +69,7 @@ float Lamps::strength(int lamp, const Vector3f& point, const Vector3f& normal) c
 Ray Lamps::towards(int lamp, const Vector3f& point, float a, float b) const {
   const Vector3f at = place(lamp) + Vector3f(a * lamp_half_side, b * lamp_half_side, 0.0F);
   constexpr float almost = 0.98F;  // what hangs the lamp up does not shade it
-  return {point, at - point, 0.5F, almost};
+  return {point, at - point, almost};
 }
 
 LightMap::LightMap(const EmbreeScene& scene, const Lamps& lamps) : scene_(scene) {
@@ -149,7 +149,7 @@ void LightMap::shine(const Lamps& lamps, const std::vector<Point>& points) {
           rays[static_cast<std::size_t>(i)] =
               lamps.towards(lamp, from, place((half + i) % side), place((half + i) / side));
         }
-        const unsigned bits = scene_.blocked(rays, packet_size, EmbreeScene::What::still);
+        const unsigned bits = scene_.blocked(rays, packet_size, {});
         for (int i = 0; i < packet_size; ++i) open += (bits >> i & 1U) == 0 ? 1 : 0;
       }
       sum += strength * static_cast<float>(open) / (side * side);
@@ -191,7 +191,7 @@ Light LightMap::gather(const Point& point) const {
       rays[static_cast<std::size_t>(i)] = {point.position + lift * n,
                                            d.x() * side + d.y() * up + d.z() * n};
     }
-    const SurfaceHits hits = scene_.trace(rays, packet_size, EmbreeScene::What::still, false);
+    const SurfaceHits hits = scene_.trace(rays, packet_size, {}, false);
     for (const SurfaceHit& hit : hits) {
       const float open = hit.surface < 0 ? 1.0F : std::min(hit.distance / open_distance, 1.0F);
       sum[3] += without_lamps * open;

@@ -6,6 +6,7 @@
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/sensor/synthetic/actor_light.h"
+#include "dkp_slam/sensor/synthetic/edge_marks.h"
 #include "dkp_slam/sensor/synthetic/embree_scene.h"
 #include "dkp_slam/sensor/synthetic/frame_painter.h"
 #include "dkp_slam/sensor/synthetic/light_map.h"
@@ -40,8 +41,7 @@ Rendering Renderer::render(const Camera& camera,
                            const std::function<Se3(double)>& world_from_camera, double time,
                            const RenderOptions& options) const {
   if (const auto reason = camera.check()) throw Error("synthetic renderer: camera: " + *reason);
-  constexpr int most_samples = 16;
-  if (options.samples < 1 || options.samples > most_samples) {
+  if (options.samples < 1 || options.samples > EdgeMarks::most_samples) {
     throw Error("synthetic renderer: samples must be 1 to 16");
   }
   if (options.exposure < 0.0 || options.readout < 0.0) {
@@ -52,7 +52,8 @@ Rendering Renderer::render(const Camera& camera,
   if (!s.pixels || !s.pixels->made_for(camera)) s.pixels.emplace(camera);
   const Shutter shutter(world_from_camera, camera.height, time, options.exposure, options.readout);
   s.embree.pose_actors(shutter.begin(), shutter.end());
-  const ActorLight actor_light(s.embree, s.lamps, s.light);
+  const ActorLight actor_light(s.embree, s.lamps, s.light,
+                               shutter.row(camera.height / 2).middle.origin);
   const Shading shading(s.embree, s.light, actor_light);
   FramePainter painter({s.embree, s.lamps, shading}, camera, *s.pixels, shutter, s.brightness,
                        options.samples, &s.buffers);
