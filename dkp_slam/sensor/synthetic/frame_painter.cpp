@@ -14,11 +14,7 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-constexpr float still = 0.3F;             // pixels: a way over the exposure that none sees
-constexpr float blurring = 2.0F;          // pixels: one that takes more than a pixel's filter
-constexpr int most_taps = 12;             // of a texture along its motion
-constexpr int most_filter_taps = 6;       // of a texture across a slanted view
-constexpr int few_taps = 2;               // of them, where several samples share the work
+constexpr int few_taps = 2;               // across a slanted view: several samples share the work
 constexpr int shadow_step = 8;            // pixels between points where actors' shadows are traced
 constexpr float same_plane = 0.04F;       // metres: points of one surface share their shadow
 constexpr float sample_footprint = 0.6F;  // of a pixel: several samples share it
@@ -183,41 +179,60 @@ void FramePainter::paint_centres(int y, Rendering* out) {
     const int count = std::min(packet_size, camera_.width - x0);
     for (int i = 0; i < count; ++i) rays[static_cast<std::size_t>(i)] = centre_ray(x0 + i, y);
     const SurfaceHits hits = scene_.embree.trace(rays, count, among(x0, y, count));
+    const auto lane_view = [&](int i) {
+      const auto lane = static_cast<std::size_t>(i);
+      return view(x0 + i, y, hits[lane], planes.at(hits[lane], rays[lane]), rays[lane]);
+    };
+    // Along a few pixels of one triangle the view of it hardly changes.
+    const bool one_plane =
+        hits[0].surface >= 0 &&
+        std::all_of(hits.begin(), hits.begin() + count, [&](const SurfaceHit& hit) {
+          return hit.surface == hits[0].surface && hit.triangle == hits[0].triangle;
+        });
+    CentreView shared;
+    if (one_plane) shared = lane_view(count / 2);
     for (int i = 0; i < count; ++i) {
       const auto lane = static_cast<std::size_t>(i);
-      paint_centre(x0 + i, y, hits[lane], rays[lane], &planes, out);
+      if (hits[lane].surface < 0) {
+        paint_nothing(x0 + i, y, out);
+        continue;
+      }
+      paint_centre(x0 + i, y, hits[lane], planes.at(hits[lane], rays[lane]),
+                   one_plane ? shared : lane_view(i), out);
     }
   }
 }
 
-void FramePainter::paint_centre(int x, int y, const SurfaceHit& hit, const Ray& ray,
-                                HitPlanes* planes, Rendering* out) {
-  SeenPoint& here = seen(x, y);
-  here.surface = hit.surface;
-  here.motion = Vector2f::Zero();
-  auto& radiance = out->radiance.at<cv::Vec3f>(y, x);
-  auto& instance = out->instance.at<std::uint8_t>(y, x);
-  auto& depth = out->depth.at<float>(y, x);
-  if (hit.surface < 0) {
-    radiance = {0.0F, 0.0F, 0.0F};
-    instance = 0;
-    depth = 0.0F;
-    return;
-  }
+void FramePainter::paint_nothing(int x, int y, Rendering* out) {
+  seen(x, y).surface = -1;
+  seen(x, y).motion = Vector2f::Zero();
+  out->radiance.at<cv::Vec3f>(y, x) = {0.0F, 0.0F, 0.0F};
+  out->instance.at<std::uint8_t>(y, x) = 0;
+  out->depth.at<float>(y, x) = 0.0F;
+}
+
+void FramePainter::paint_centre(int x, int y, const SurfaceHit& hit, const HitPlane& plane,
+                                const CentreView& view, Rendering* out) {
+  seen(x, y) = {hit.surface, hit.triangle, plane.point, plane.normal, view.motion};
+  const PixelLight light = {row_brightness_[static_cast<std::size_t>(y)],
+                            shadow_at(x, y, seen(x, y))};
+  out->radiance.at<cv::Vec3f>(y, x) = scene_.shading.colour(hit, plane.uv, view.filter, light);
+  out->instance.at<std::uint8_t>(y, x) =
+      static_cast<std::uint8_t>(scene_.embree.surface(hit.surface).instance);
   // The directions' z is 1 in the camera's frame: their lengths count as depth.
-  depth = hit.distance;
-  instance = static_cast<std::uint8_t>(scene_.embree.surface(hit.surface).instance);
+  out->depth.at<float>(y, x) = hit.distance;
+}
+
+FramePainter::CentreView FramePainter::view(int x, int y, const SurfaceHit& hit,
+                                            const HitPlane& plane, const Ray& ray) const {
   const RowExposure& row = shutter_.row(y);
-  const HitPlane plane = planes->at(hit, ray);
-  here.triangle = hit.triangle;
-  here.point = plane.point;
-  here.normal = plane.normal;
-  if (shutter_.exposure() > 0.0) here.motion = image_motion(plane, row);
+  CentreView view;
+  if (shutter_.exposure() > 0.0) view.motion = image_motion(plane, row);
   const Footprint print =
       footprint(plane, hit.distance, ray.direction, row.middle.turn(pixels_.right(x, y)),
-                row.middle.turn(pixels_.down(x, y)), here.motion);
-  const PixelLight light = {row_brightness_[static_cast<std::size_t>(y)], shadow_at(x, y, here)};
-  radiance = shade_centre(hit, plane, print, here.motion, light);
+                row.middle.turn(pixels_.down(x, y)), view.motion);
+  view.filter = scene_.shading.filter(hit.surface, print, view.motion);
+  return view;
 }
 
 Vector2f FramePainter::image_motion(const HitPlane& plane, const RowExposure& row) const {
@@ -226,24 +241,6 @@ Vector2f FramePainter::image_motion(const HitPlane& plane, const RowExposure& ro
   const Vector2f way = row.end.project(plane.point + share * plane.travel) -
                        row.begin.project(plane.point - share * plane.travel);
   return {way.x() * static_cast<float>(camera_.fx), way.y() * static_cast<float>(camera_.fy)};
-}
-
-cv::Vec3f FramePainter::shade_centre(const SurfaceHit& hit, const HitPlane& plane,
-                                     const Footprint& print, const Vector2f& motion,
-                                     const PixelLight& light) const {
-  const float way = motion.norm();
-  if (way >= blurring) {
-    // Where motion blurs the print there is no fine detail to lose across the view.
-    const int taps = std::min(static_cast<int>(std::ceil(way)), most_taps);
-    return scene_.shading.colour(hit, plane.uv, print, taps, few_taps, light);
-  }
-  if (way <= still) return scene_.shading.colour(hit, plane.uv, print, 1, most_filter_taps, light);
-  // A short way only lengthens the pixel, by its variance.
-  const Vector2f along = motion / way;
-  const float length = std::sqrt(1.0F + way * way);
-  const Footprint longer = {length * (along.x() * print.right + along.y() * print.down),
-                            along.x() * print.down - along.y() * print.right, print.motion};
-  return scene_.shading.colour(hit, plane.uv, longer, 1, most_filter_taps, light);
 }
 
 Ray FramePainter::edge_ray(int x, int y, const Vector2f& offset, float share) const {
@@ -275,7 +272,8 @@ void FramePainter::paint_edges(int y, cv::Vec3f* radiance) {
                               shadow_at(x, y, seen(x, y))};
     const bool actors = actors_.touches(x, y, 1);
     const float jitter = shutter_.exposure() > 0.0 ? pixel_share(x, y) : 0.5F;
-    radiance[x] *= weight;
+    const cv::Vec3f centre = weight * radiance[x];
+    radiance[x] = centre;
     const int others = samples_of[x] - 1;
     for (int k = 0; k < others; ++k) {
       const float share = (static_cast<float>(k) + jitter) / static_cast<float>(others);
@@ -284,7 +282,7 @@ void FramePainter::paint_edges(int y, cv::Vec3f* radiance) {
       EdgePacket& packet = packets[static_cast<std::size_t>(moment + 1)];
       const auto lane = static_cast<std::size_t>(packet.count++);
       packet.rays[lane] = edge_ray(x, y, offsets.at(k, others), share);
-      packet.samples[lane] = {x, weight, light};
+      packet.samples[lane] = {x, weight, light, centre};
       if (packet.count == packet_size) shade_packet(y, &planes, &packet, radiance);
     }
   }
@@ -292,8 +290,7 @@ void FramePainter::paint_edges(int y, cv::Vec3f* radiance) {
 }
 
 /// Adds the packet's light to its pixels and empties it.
-void FramePainter::shade_packet(int y, HitPlanes* planes, EdgePacket* packet,
-                                cv::Vec3f* radiance) const {
+void FramePainter::shade_packet(int y, HitPlanes* planes, EdgePacket* packet, cv::Vec3f* radiance) {
   if (packet->count == 0) return;
   const SurfaceHits hits = scene_.embree.trace(packet->rays, packet->count, packet->among);
   const CameraPlace& place = shutter_.row(y).middle;
@@ -304,12 +301,20 @@ void FramePainter::shade_packet(int y, HitPlanes* planes, EdgePacket* packet,
     const Ray& ray = packet->rays[lane];
     const EdgeSample& sample = packet->samples[lane];
     const HitPlane plane = planes->at(hit, ray);
+    const SeenPoint& centre = seen(sample.x, y);
+    // The centre's colour is that of all of its surface in the pixel (as in multisampling).
+    if (hit.surface == centre.surface &&
+        !is_edge(centre, {hit.surface, hit.triangle, plane.point, plane.normal, {}})) {
+      radiance[sample.x] += sample.centre;
+      continue;
+    }
     const Footprint print =
         footprint(plane, hit.distance, ray.direction,
                   sample_footprint * place.turn(pixels_.right(sample.x, y)),
                   sample_footprint * place.turn(pixels_.down(sample.x, y)), Vector2f::Zero());
+    const Shading::Filter filter = scene_.shading.filter(hit.surface, print, few_taps);
     radiance[sample.x] +=
-        sample.weight * scene_.shading.colour(hit, plane.uv, print, 1, few_taps, sample.light);
+        sample.weight * scene_.shading.colour(hit, plane.uv, filter, sample.light);
   }
   packet->count = 0;
 }

@@ -46,11 +46,17 @@ class FramePainter {
   Rendering paint();
 
  private:
+  /// How a pixel sees what its centre's ray met.
+  struct CentreView {
+    Eigen::Vector2f motion = Eigen::Vector2f::Zero();  ///< as in `SeenPoint`
+    Shading::Filter filter;
+  };
   /// One of the rays of a pixel on an edge.
   struct EdgeSample {
     int x;
     float weight;
     PixelLight light;
+    cv::Vec3f centre;  ///< what the centre's ray brought to the pixel, weighted
   };
   /// Rays that may meet the same things, of one row.
   struct EdgePacket {
@@ -72,15 +78,15 @@ class FramePainter {
   void trace_shadows(int grid_y);
   float shadow_at(int x, int y, const SeenPoint& here) const;
   void paint_centres(int y, Rendering* out);
-  void paint_centre(int x, int y, const SurfaceHit& hit, const Ray& ray, HitPlanes* planes,
-                    Rendering* out);
+  CentreView view(int x, int y, const SurfaceHit& hit, const HitPlane& plane, const Ray& ray) const;
+  void paint_nothing(int x, int y, Rendering* out);
+  void paint_centre(int x, int y, const SurfaceHit& hit, const HitPlane& plane,
+                    const CentreView& view, Rendering* out);
   Eigen::Vector2f image_motion(const HitPlane& plane, const RowExposure& row) const;
-  cv::Vec3f shade_centre(const SurfaceHit& hit, const HitPlane& plane, const Footprint& print,
-                         const Eigen::Vector2f& motion, const PixelLight& light) const;
   void paint_edges(int y, cv::Vec3f* radiance);
   /// `share` of the row's exposure has passed.
   Ray edge_ray(int x, int y, const Eigen::Vector2f& offset, float share) const;
-  void shade_packet(int y, HitPlanes* planes, EdgePacket* packet, cv::Vec3f* radiance) const;
+  void shade_packet(int y, HitPlanes* planes, EdgePacket* packet, cv::Vec3f* radiance);
 
   const LitScene scene_;
   const Camera& camera_;

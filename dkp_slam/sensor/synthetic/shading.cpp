@@ -11,6 +11,11 @@ using Eigen::Vector3f;
 
 // Slopes beyond this only make the footprint at silhouettes grow without bound.
 constexpr float flattest_view = 0.03F;
+constexpr float still = 0.3F;         // pixels: a way over the exposure that none sees
+constexpr float blurring = 2.0F;      // pixels: one that takes more than a pixel's filter
+constexpr int most_motion_taps = 12;  // of a texture along its motion
+constexpr int most_filter_taps = 6;   // of a texture across a slanted view
+constexpr int few_taps = 2;           // of them, where several share the work
 
 }  // namespace
 
@@ -71,16 +76,40 @@ Footprint footprint(const HitPlane& plane, float distance, const Vector3f& direc
   return result;
 }
 
-cv::Vec3f Shading::colour(const SurfaceHit& hit, const Vector2f& uv, const Footprint& footprint,
-                          int taps, int taps_each, const PixelLight& pixel) const {
+Shading::Filter Shading::filter(int surface, const Footprint& footprint, int most_taps) const {
+  const Texture& texture = *scene_.surface(surface).mesh->texture;
+  return {texture.filter(footprint.right, footprint.down, most_taps), Vector2f::Zero(), 1};
+}
+
+Shading::Filter Shading::filter(int surface, const Footprint& footprint,
+                                const Vector2f& way) const {
+  const float length = way.norm();
+  if (length >= blurring) {
+    // Where motion blurs the print there is no fine detail to lose across the view.
+    Filter blurred = filter(surface, footprint, few_taps);
+    blurred.motion = footprint.motion;
+    blurred.taps = std::min(static_cast<int>(std::ceil(length)), most_motion_taps);
+    return blurred;
+  }
+  if (length <= still) return filter(surface, footprint, most_filter_taps);
+  // A short way only lengthens the pixel, by its variance.
+  const Vector2f along = way / length;
+  const float longer = std::sqrt(1.0F + length * length);
+  return filter(surface,
+                {longer * (along.x() * footprint.right + along.y() * footprint.down),
+                 along.x() * footprint.down - along.y() * footprint.right, footprint.motion},
+                most_filter_taps);
+}
+
+cv::Vec3f Shading::colour(const SurfaceHit& hit, const Vector2f& uv, const Filter& filter,
+                          const PixelLight& pixel) const {
   const Surface& surface = scene_.surface(hit.surface);
   const Mesh& mesh = *surface.mesh;
   cv::Vec3f print(0.0F, 0.0F, 0.0F);
-  const float each = 1.0F / static_cast<float>(taps);
-  for (int i = 0; i < taps; ++i) {
+  const float each = 1.0F / static_cast<float>(filter.taps);
+  for (int i = 0; i < filter.taps; ++i) {
     const float along = (static_cast<float>(i) + 0.5F) * each - 0.5F;
-    const cv::Vec3f level = mesh.texture->sample(uv + along * footprint.motion, footprint.right,
-                                                 footprint.down, taps_each);
+    const cv::Vec3f level = mesh.texture->sample(uv + along * filter.motion, filter.texture);
     for (int c = 0; c < 3; ++c) print[c] += linear_light_(level[c]);
   }
   const Light light = surface.instance == 0 ? still_.at(hit) : moving_.at(hit);

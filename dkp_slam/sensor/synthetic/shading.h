@@ -60,10 +60,19 @@ class Shading {
   Shading(const EmbreeScene& scene, const LightMap& still, const ActorLight& moving)
       : scene_(scene), still_(still), moving_(moving) {}
 
-  /// Linear radiance, BGR, averaged over the way of `motion` in `taps` steps, each of them filtered
-  /// with up to `taps_each` across the view.
-  cv::Vec3f colour(const SurfaceHit& hit, const Eigen::Vector2f& uv, const Footprint& footprint,
-                   int taps, int taps_each, const PixelLight& pixel) const;
+  /// What a pixel averages of a surface's texture.
+  struct Filter {
+    Texture::Filter texture;
+    Eigen::Vector2f motion;  ///< change of uv over the exposure
+    int taps;                ///< along it
+  };
+  /// Over the footprint alone, with up to `most_taps` across the view.
+  Filter filter(int surface, const Footprint& footprint, int most_taps) const;
+  /// Over the footprint and its way in the image over the exposure, pixels.
+  Filter filter(int surface, const Footprint& footprint, const Eigen::Vector2f& way) const;
+  /// Linear radiance, BGR.
+  cv::Vec3f colour(const SurfaceHit& hit, const Eigen::Vector2f& uv, const Filter& filter,
+                   const PixelLight& pixel) const;
 
  private:
   const EmbreeScene& scene_;

@@ -119,40 +119,51 @@ Texture::Float4 Texture::bilinear(const Level& level, float u, float v) const {
   return left + right * (second_half(sides) - left);
 }
 
-cv::Vec3f Texture::sample(const Eigen::Vector2f& uv, const Eigen::Vector2f& du,
-                          const Eigen::Vector2f& dv, int most_taps) const {
+Texture::Filter Texture::filter(const Eigen::Vector2f& du, const Eigen::Vector2f& dv,
+                                int most_taps) const {
   const auto width = static_cast<float>(levels_[0].width);
   const auto height = static_cast<float>(levels_[0].height);
   const auto length2 = [&](const Eigen::Vector2f& d) {
     return d.x() * width * (d.x() * width) + d.y() * height * (d.y() * height);
   };
+  Filter filter;
   float longer2 = length2(du), shorter2 = length2(dv);
-  Eigen::Vector2f axis = du;
+  filter.axis = du;
   if (shorter2 > longer2) {
     std::swap(shorter2, longer2);
-    axis = dv;
+    filter.axis = dv;
   }
   // Compared before the conversion: at grazing angles the ratio is beyond what an int holds.
   const auto most = static_cast<float>(most_taps);
   const float ratio = std::sqrt(std::min(longer2 / std::max(shorter2, 1.0F), most * most));
-  const int taps = std::max(-floor_to_int(-ratio), 1);
-  const float each = 1.0F / static_cast<float>(taps);
+  filter.taps = std::max(-floor_to_int(-ratio), 1);
+  const float each = 1.0F / static_cast<float>(filter.taps);
   const auto last_level = static_cast<float>(levels_.size() - 1);
   const float lod =
       std::clamp(0.5F * rough_log2(std::max(longer2 * each * each, 1.0F)), 0.0F, last_level);
-  const auto fine = static_cast<std::size_t>(lod);
+  filter.level = static_cast<std::size_t>(lod);
   // Half of the way between two levels one of them alone will do; all of it where few taps will.
   const float alone = most_taps > 2 ? 0.25F : 0.49F;
-  const float share =
-      std::clamp((lod - static_cast<float>(fine) - alone) / (1.0F - 2.0F * alone), 0.0F, 1.0F);
-  const Level& level = levels_[share < 1.0F ? fine : fine + 1];
-  const bool both = share > 0.0F && share < 1.0F;
+  filter.coarser = std::clamp(
+      (lod - static_cast<float>(filter.level) - alone) / (1.0F - 2.0F * alone), 0.0F, 1.0F);
+  if (filter.coarser >= 1.0F) {
+    ++filter.level;
+    filter.coarser = 0.0F;
+  }
+  return filter;
+}
+
+cv::Vec3f Texture::sample(const Eigen::Vector2f& uv, const Filter& filter) const {
+  const Level& level = levels_[filter.level];
+  const float each = 1.0F / static_cast<float>(filter.taps);
   Float4 sum = {};
-  for (int i = 0; i < taps; ++i) {
+  for (int i = 0; i < filter.taps; ++i) {
     const float along = (static_cast<float>(i) + 0.5F) * each - 0.5F;
-    const float u = uv.x() + along * axis.x(), v = uv.y() + along * axis.y();
+    const float u = uv.x() + along * filter.axis.x(), v = uv.y() + along * filter.axis.y();
     Float4 colour = bilinear(level, u, v);
-    if (both) colour += share * (bilinear(levels_[fine + 1], u, v) - colour);
+    if (filter.coarser > 0.0F) {
+      colour += filter.coarser * (bilinear(levels_[filter.level + 1], u, v) - colour);
+    }
     sum += colour;
   }
   sum *= each / 256.0F;

@@ -16,11 +16,22 @@ class Texture {
   /// should be a power of two then.
   explicit Texture(const cv::Mat& bgr, bool wrap = false);
 
-  /// BGR, 0 to 255, at `uv` (0 to 1 over the image); `du` and `dv` are the changes of uv from one
-  /// pixel of the camera to the next, right and down. More taps than 6 only matter on floors seen
-  /// at a few degrees.
-  cv::Vec3f sample(const Eigen::Vector2f& uv, const Eigen::Vector2f& du, const Eigen::Vector2f& dv,
-                   int most_taps = 6) const;
+  /// How a pixel sees the texture: good for its neighbours on the same plane as well.
+  struct Filter {
+    std::size_t level;     ///< of the pyramid
+    float coarser = 0.0F;  ///< share of the level above it
+    int taps = 1;
+    Eigen::Vector2f axis;  ///< the longer one of the footprint, along which the taps lie
+  };
+  /// `du` and `dv` are the changes of uv from one pixel of the camera to the next, right and down.
+  /// More taps than 6 only matter on floors seen at a few degrees.
+  Filter filter(const Eigen::Vector2f& du, const Eigen::Vector2f& dv, int most_taps = 6) const;
+  /// BGR, 0 to 255, at `uv` (0 to 1 over the image).
+  cv::Vec3f sample(const Eigen::Vector2f& uv, const Filter& filter) const;
+  cv::Vec3f sample(const Eigen::Vector2f& uv, const Eigen::Vector2f& du,
+                   const Eigen::Vector2f& dv) const {
+    return sample(uv, filter(du, dv));
+  }
   cv::Vec3f sample(const Eigen::Vector2d& uv, const Eigen::Vector2d& du,
                    const Eigen::Vector2d& dv) const {
     return sample(uv.cast<float>().eval(), du.cast<float>().eval(), dv.cast<float>().eval());
