@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -27,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string data, model, out, resume, program, config = DKP_SLAM_CONFIG_DIR;
+  std::string data, model, out, also, resume, program, config = DKP_SLAM_CONFIG_DIR;
   int repeat = 3;
   std::vector<std::string> sequences{"fr1_xyz", "fr3_walking_halfsphere_50",
                                      "composite_xyz_walking", "composite_xyz_sitting"};
@@ -71,6 +73,9 @@ void check(const Arguments& arguments, const MeasureOptions& options) {
     }
   }
   if (!arguments.out.empty()) check_writable(arguments.out);
+  if (!arguments.also.empty() && !fs::is_regular_file(arguments.also)) {
+    throw Error(arguments.also + ": no such file; make it with bench/back_end.py --out");
+  }
   std::error_code problem;
   fs::create_directories(options.runs, problem);
   if (problem) throw Error(options.runs.string() + ": " + problem.message() + "; see --resume");
@@ -108,6 +113,14 @@ bool add_masks(const MeasureOptions& options, const RunKey& key, const std::stri
              share(masks->iou), share(masks->removed), share(masks->kept));
   results.masks.push_back(*masks);
   return true;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) throw Error(path.string() + ": cannot read");
+  return text.str();
 }
 
 /// Everything, a repetition at a time, so that an interrupted measurement has seen all sequences.
@@ -152,7 +165,8 @@ int run(const Arguments& arguments) {
   ReportHeader header = header_of(arguments, options);
   Results results;
   header.complete = measure_all(arguments, options, results);
-  const std::string page = report(header, results);
+  std::string page = report(header, results);
+  if (!arguments.also.empty()) page += '\n' + text_of(arguments.also);
   fmt::print("{}", page);
   if (!arguments.out.empty()) write_file_atomically(arguments.out, page);
   if (!header.complete) {
@@ -186,6 +200,8 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(bench::all_modes))
       ->capture_default_str();
   app.add_option("--out", arguments.out, "File for the page, which is printed in any case");
+  app.add_option("--also", arguments.also,
+                 "Markdown to put at the page's end, as bench/back_end.py makes");
   app.add_option("--resume", arguments.resume,
                  "Folder of the runs: kept, and runs that it holds already are not repeated");
   app.add_option("--program", arguments.program,
