@@ -167,7 +167,7 @@ void Map::remove_keyframe(int keyframe_id) {
   k.self_from_parent = k.camera_from_world * keyframe_pose(k.parent).inverse();
   k.covisible.clear();
   k.features = {};
-  k.landmarks = {};
+  k.landmarks = std::vector<int>();  // "= {}" would keep the memory
   k.removed = true;
   --live_keyframes_;
   --live_in_map_[static_cast<std::size_t>(k.map)];
