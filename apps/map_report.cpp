@@ -30,9 +30,7 @@ std::vector<MapSummary> summaries_of(const Map& map) {
     summary.first_timestamp = std::min(summary.first_timestamp, time);
     summary.last_timestamp = std::max(summary.last_timestamp, time);
   }
-  for (int l = 0; l < map.landmark_ids(); ++l) {
-    if (map.has_landmark(l)) ++by_id[map_of(map, l)].landmarks;
-  }
+  for (const int l : map.landmarks()) ++by_id[map_of(map, l)].landmarks;
   std::vector<MapSummary> all;
   for (const auto& [id, summary] : by_id) all.push_back(summary);
   return all;
@@ -86,8 +84,7 @@ std::string landmarks_ply(const Map& map) {
       "ply\nformat ascii 1.0\ncomment metres, world frame of each map\nelement vertex {}\n"
       "property float x\nproperty float y\nproperty float z\nproperty int map\nend_header\n",
       map.live_landmarks());
-  for (int l = 0; l < map.landmark_ids(); ++l) {
-    if (!map.has_landmark(l)) continue;
+  for (const int l : map.landmarks()) {
     const Eigen::Vector3d& p = map.landmark(l).position;
     fmt::format_to(std::back_inserter(text), "{:.6f} {:.6f} {:.6f} {}\n", p.x(), p.y(), p.z(),
                    map_of(map, l));

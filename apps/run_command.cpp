@@ -87,29 +87,38 @@ nlohmann::ordered_json describe(const RunOptions& options) {
 }
 
 /// Feeds all frames to the system. What goes wrong on the way ends the run and is noted.
-RunTotals play(FrontEnd& front_end, Slam& slam, RunMap& map, OverlayWriter* overlay,
+RunTotals play(FrontEnd& front_end, Slam& slam, RunMap& map, OverlayWriter* overlay, RunLog& log,
                std::optional<std::size_t> frames) {
   RunTotals totals;
   Progress progress("run", frames);
   Stopwatch watch;
+  FrameReport report;
+  const auto note = [&] {
+    totals.add(report);
+    log.add(report);
+  };
+  bool under_way = false;  // tracked, not noted
   try {
     while (!interrupted()) {
       const std::optional<PreparedFrame> prepared = front_end.next();
       if (!prepared) break;
       FrameDynamics dynamics;
-      totals.frames.push_back(slam.track(*prepared, &dynamics));
-      totals.detections += recorded_lines(prepared->frame.timestamp, prepared->detections);
+      report = slam.track(*prepared, &dynamics);
+      under_way = true;
+      log.add(prepared->frame.timestamp, prepared->detections);
       if (overlay && overlay->wants(prepared->frame.index)) overlay->write(*prepared, dynamics);
       map.update(slam.map());
-      FrameReport& report = totals.frames.back();
       report.frame_ms = watch.lap_ms();
       report.resident_mb = resident_memory_mb();
+      note();
+      under_way = false;
       progress.update(
           static_cast<std::size_t>(report.index) + 1,
           report.localised ? fmt::format("{} landmarks", report.tracked_landmarks) : "lost");
     }
   } catch (const std::exception& error) {
     totals.failure = error.what();
+    if (under_way) note();
   }
   totals.interrupted = interrupted();
   totals.skipped_frames = front_end.skipped_frames();
@@ -148,6 +157,7 @@ void run(RunOptions options) {
   std::optional<OverlayWriter> overlay;
   if (options.overlay) overlay.emplace(options.out, options.overlay_every);
 
+  RunLog log(options.out);
   RunResult result;
   result.options = describe(options);
   result.detector = detector ? detector->name() : "none";
@@ -158,7 +168,7 @@ void run(RunOptions options) {
     const std::optional<std::size_t> frames = source->size();
     FrontEnd front_end(std::move(source), std::move(detector),
                        {slam_options.orb, options.realtime, options.one_at_a_time});
-    result.totals = play(front_end, slam, map, overlay ? &*overlay : nullptr, frames);
+    result.totals = play(front_end, slam, map, overlay ? &*overlay : nullptr, log, frames);
   }
   slam.finish(result.totals.interrupted);
   std::vector<Trajectory> paths = slam.trajectories();
@@ -177,7 +187,8 @@ void run(RunOptions options) {
   for (const ClosedLoop& l : slam.loops())
     (l.joined_maps ? result.maps_joined : result.loops_closed)++;
   result.absolute_error = error_against_truth(options.sequence, result.trajectory);
-  save_run(result, options.out);
+  result.medians = log.medians();
+  save_run(result, log, options.out);
   std::fputs(summary_text(result, options.out).c_str(), stdout);
   std::fflush(stdout);
   if (const std::string problem = verdict(result.totals); !problem.empty()) {

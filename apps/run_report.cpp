@@ -2,14 +2,12 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
 
 #include <fmt/format.h>
 
-#include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
@@ -19,32 +17,8 @@ namespace dkp_slam::apps {
 namespace fs = std::filesystem;
 namespace {
 
-struct Column {
-  const char* name;
-  double FrameReport::*value;
-};
-
-constexpr Column columns[] = {
-    {"decode", &FrameReport::decode_ms},       {"features", &FrameReport::feature_ms},
-    {"detection", &FrameReport::detection_ms}, {"clustering", &FrameReport::clustering_ms},
-    {"removal", &FrameReport::removal_ms},     {"tracking", &FrameReport::tracking_ms},
-    {"frame", &FrameReport::frame_ms},
-};
-
 constexpr std::array files = {"trajectory.txt", "keyframes.txt", "detections.txt", "timings.csv",
                               "summary.json"};
-
-double median_of(const std::vector<FrameReport>& frames, double FrameReport::*value) {
-  std::vector<double> values;
-  for (const FrameReport& f : frames) values.push_back(f.*value);
-  return values.empty() ? 0.0 : median(values);
-}
-
-long sum(const std::vector<FrameReport>& frames, int FrameReport::*value) {
-  long total = 0;
-  for (const FrameReport& f : frames) total += f.*value;
-  return total;
-}
 
 /// Megabytes that the process has had in memory at most, as the kernel counts (VmHWM).
 double peak_memory_mb() {
@@ -73,9 +47,13 @@ double rounded(double value, double digits) { return std::round(value * digits) 
 
 }  // namespace
 
-std::size_t RunTotals::localised() const {
-  return static_cast<std::size_t>(
-      std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.localised; }));
+void RunTotals::add(const FrameReport& frame) {
+  ++frames;
+  localised += frame.localised;
+  detections += frame.detections;
+  compensated += frame.compensated;
+  features += frame.features;
+  removed_features += frame.removed_features;
 }
 
 double resident_memory_mb() {
@@ -85,42 +63,24 @@ double resident_memory_mb() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
 }
 
-std::string timings_csv(const std::vector<FrameReport>& frames) {
-  std::string out =
-      "index,timestamp,localised,keyframe,features,removed,detections,compensated,landmarks,"
-      "map_keyframes,map_landmarks,memory_mb";
-  for (const Column& c : columns) out += fmt::format(",{}_ms", c.name);
-  out += '\n';
-  for (const FrameReport& f : frames) {
-    out += fmt::format("{},{:.6f},{:d},{:d},{},{},{},{},{},{},{},{:.1f}", f.index, f.timestamp,
-                       f.localised, f.keyframe, f.features, f.removed_features, f.detections,
-                       f.compensated, f.tracked_landmarks, f.map_keyframes, f.map_landmarks,
-                       f.resident_mb);
-    for (const Column& c : columns) out += fmt::format(",{:.3f}", f.*c.value);
-    out += '\n';
-  }
-  return out;
-}
-
 nlohmann::ordered_json summary_json(const RunResult& result) {
   const RunTotals& totals = result.totals;
-  const std::vector<FrameReport>& frames = totals.frames;
   nlohmann::ordered_json json;
   json["version"] = DKP_SLAM_VERSION;
   json["options"] = result.options;
   json["detector"] = result.detector;
   json["interrupted"] = totals.interrupted;
   json["failure"] = verdict(totals);
-  json["frames"] = frames.size();
-  json["localised_frames"] = totals.localised();
-  json["lost_frames"] = frames.size() - totals.localised();
+  json["frames"] = totals.frames;
+  json["localised_frames"] = totals.localised;
+  json["lost_frames"] = totals.frames - totals.localised;
   json["skipped_frames"] = totals.skipped_frames;
   json["dropped_frames"] = totals.dropped_frames;
-  json["detections"] = sum(frames, &FrameReport::detections);
-  json["compensated_detections"] = sum(frames, &FrameReport::compensated);
+  json["detections"] = totals.detections;
+  json["compensated_detections"] = totals.compensated;
   json["detector_failures"] = totals.detector_failures;
-  json["features"] = sum(frames, &FrameReport::features);
-  json["features_removed"] = sum(frames, &FrameReport::removed_features);
+  json["features"] = totals.features;
+  json["features_removed"] = totals.removed_features;
   json["keyframes"] = result.keyframes.size();
   json["landmarks"] = result.landmarks;
   json["loops_closed"] = result.loops_closed;
@@ -131,7 +91,7 @@ nlohmann::ordered_json summary_json(const RunResult& result) {
                    {"rmse_m", rounded(result.absolute_error->rmse, 1e6)}};
   }
   nlohmann::ordered_json medians;
-  for (const Column& c : columns) medians[c.name] = rounded(median_of(frames, c.value), 1000.0);
+  for (const StageMedian& m : result.medians) medians[m.stage] = rounded(m.ms, 1000.0);
   json["median_ms"] = medians;
   json["peak_memory_mb"] = rounded(peak_memory_mb(), 10.0);
   return json;
@@ -139,9 +99,8 @@ nlohmann::ordered_json summary_json(const RunResult& result) {
 
 std::string summary_text(const RunResult& result, const fs::path& out) {
   const RunTotals& totals = result.totals;
-  const std::vector<FrameReport>& frames = totals.frames;
-  std::string text = fmt::format("{} of {} frames localised, {} lost", totals.localised(),
-                                 frames.size(), frames.size() - totals.localised());
+  std::string text = fmt::format("{} of {} frames localised, {} lost", totals.localised,
+                                 totals.frames, totals.frames - totals.localised);
   if (totals.skipped_frames > 0) text += fmt::format(", {} not readable", totals.skipped_frames);
   if (totals.dropped_frames > 0) text += fmt::format(", {} dropped", totals.dropped_frames);
   text += fmt::format("; {} keyframes, {} landmarks", result.keyframes.size(), result.landmarks);
@@ -155,19 +114,16 @@ std::string summary_text(const RunResult& result, const fs::path& out) {
                     files[0], path_name(2));
   }
 
-  const long features = sum(frames, &FrameReport::features);
-  const long removed = sum(frames, &FrameReport::removed_features);
-  text +=
-      fmt::format("detector {}: {} detections, {} carried over a missed one", result.detector,
-                  sum(frames, &FrameReport::detections), sum(frames, &FrameReport::compensated));
+  const long features = totals.features, removed = totals.removed_features;
+  text += fmt::format("detector {}: {} detections, {} carried over a missed one", result.detector,
+                      totals.detections, totals.compensated);
   if (totals.detector_failures > 0) text += ", FAILED in the middle";
   text += fmt::format("; {} of {} features removed ({:.1f} %)\n", removed, features,
                       features > 0 ? 100.0 * double(removed) / double(features) : 0.0);
 
   text += "median ms:";
-  for (const Column& c : columns) {
-    text += fmt::format(" {} {:.1f}{}", c.name, median_of(frames, c.value),
-                        c.value == columns[std::size(columns) - 1].value ? "" : ",");
+  for (const StageMedian& m : result.medians) {
+    text += fmt::format("{} {} {:.1f}", &m == &result.medians.front() ? "" : ",", m.stage, m.ms);
   }
   text += fmt::format("; peak memory {:.0f} MB\n", peak_memory_mb());
   if (result.absolute_error) {
@@ -189,20 +145,19 @@ void prepare_run_folder(const fs::path& out) {
   for (const char* file : files) check_writable(out / file);
 }
 
-void save_run(const RunResult& result, const fs::path& out) {
+void save_run(const RunResult& result, RunLog& log, const fs::path& out) {
   write_trajectory(out / files[0], result.trajectory);
   std::size_t number = 2;
   for (const Trajectory& t : result.other_paths) write_trajectory(out / path_name(number++), t);
   for (; fs::exists(out / path_name(number)); ++number) fs::remove(out / path_name(number));
   write_trajectory(out / files[1], result.keyframes);
-  write_file_atomically(out / files[2], recorded_header() + result.totals.detections);
-  write_file_atomically(out / files[3], timings_csv(result.totals.frames));
+  log.save();
   write_file_atomically(out / files[4], summary_json(result).dump(2) + "\n");
 }
 
 std::string verdict(const RunTotals& totals) {
   if (!totals.failure.empty()) return totals.failure;
-  const std::size_t seen = totals.frames.size(), localised = totals.localised();
+  const std::size_t seen = totals.frames, localised = totals.localised;
   if (totals.interrupted) return fmt::format("interrupted after {} frames", seen);
   if (localised == 0) {
     return fmt::format(

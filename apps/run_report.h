@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/run_log.h"
 #include "dkp_slam/evaluation/statistics.h"
 #include "dkp_slam/system/slam.h"
 
@@ -15,21 +16,24 @@ namespace dkp_slam::apps {
 
 /// What the frames of a run amounted to.
 struct RunTotals {
-  std::vector<FrameReport> frames;
+  std::size_t frames = 0;
+  std::size_t localised = 0;
+  long detections = 0, compensated = 0;  ///< see FrameReport
+  long features = 0, removed_features = 0;
   std::size_t skipped_frames = 0;  ///< images that could not be read
   int dropped_frames = 0;          ///< too late in real time
   int detector_failures = 0;
-  int pictures = 0;        ///< of the overlay
-  std::string detections;  ///< what the detector found, as lines of a file of detections
+  int pictures = 0;  ///< of the overlay
   bool interrupted = false;
   std::string failure;  ///< what ended the run early; empty when nothing did
 
-  std::size_t localised() const;
+  void add(const FrameReport& frame);
 };
 
 /// Everything a run leaves behind.
 struct RunResult {
   RunTotals totals;
+  std::vector<StageMedian> medians;
   Trajectory trajectory, keyframes;
   std::vector<Trajectory> other_paths;  ///< in maps that never met that of the trajectory
   int landmarks = 0;
@@ -44,9 +48,6 @@ struct RunResult {
 /// Megabytes that the process has in memory now (statm).
 double resident_memory_mb();
 
-/// One line per frame, a column per stage, milliseconds.
-std::string timings_csv(const std::vector<FrameReport>& frames);
-
 /// Counts and medians of a run.
 nlohmann::ordered_json summary_json(const RunResult& result);
 
@@ -56,10 +57,10 @@ std::string summary_text(const RunResult& result, const std::filesystem::path& o
 /// Makes the folder and throws `Error` where the files of a run could not be written into it now.
 void prepare_run_folder(const std::filesystem::path& out);
 
-/// Writes trajectory.txt, keyframes.txt, detections.txt, timings.csv and summary.json, each whole
-/// or not at all; and trajectory_2.txt and so on for other paths, of which none is left from an
+/// Writes trajectory.txt, keyframes.txt, what the log holds and summary.json, each whole or not at
+/// all; and trajectory_2.txt and so on for other paths, of which none is left from an
 /// earlier run.
-void save_run(const RunResult& result, const std::filesystem::path& out);
+void save_run(const RunResult& result, RunLog& log, const std::filesystem::path& out);
 
 /// Why the run counts as failed, one line; empty when it does not. Fails: a run that ended early,
 /// that localised nothing, or that lost or could not read more than half of the frames.

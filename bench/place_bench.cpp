@@ -85,7 +85,7 @@ Real play(const BenchOptions& bench) {
     q.camera_from_world = slam.trajectory().back().world_from_camera.inverse();
     real.queries.push_back(std::move(q));
   }
-  for (int l = 0; l < real.map.landmark_ids(); ++l) {
+  for (const int l : real.map.landmarks()) {
     const Landmark& landmark = real.map.landmark(l);
     for (const Sighting& s : landmark.sightings) {
       const auto& seen = real.map.keyframe(s.keyframe).features.descriptor;

@@ -63,23 +63,38 @@ def error(program, truth, path):
     return json.loads(done.stdout)["ate"]["translation_m"]["rmse"]
 
 
+def slope(values):
+    middle, mean = (len(values) - 1) / 2, statistics.mean(values)
+    return (sum((i - middle) * (v - mean) for i, v in enumerate(values))
+            / sum((i - middle) ** 2 for i in range(len(values))))
+
+
 def measure(out, run, program):
     first, length, rounds = (float(x) for x in (out / "rounds.txt").read_text().split())
     truth, path = entries(out / "groundtruth.txt"), entries(run / "trajectory.txt")
     with open(run / "timings.csv") as file:
         frames = list(csv.DictReader(file))
-    print("round  frames  localised  frame ms  tracking ms  keyframes made  memory MB  ATE m")
+    print("round  frames  localised  frame ms  tracking ms  keyframes made  memory MB"
+          "  median MB  ATE m")
+    medians = []
     for r in range(int(rounds)):
         begin, end = first + r * length, first + (r + 1) * length
         mine = [f for f in frames if begin <= float(f["timestamp"]) < end]
         if not mine:
             break
         ate = error(program, within(truth, begin, end), within(path, begin, end))
+        memory = [float(f["memory_mb"]) for f in mine]
+        medians.append(statistics.median(memory))
         print(f"{r + 1:5}  {len(mine):6}  {sum(int(f['localised']) for f in mine):9}"
               f"  {statistics.median(float(f['frame_ms']) for f in mine):8.1f}"
               f"  {statistics.median(float(f['tracking_ms']) for f in mine):11.2f}"
               f"  {sum(int(f['keyframe']) for f in mine):14}"
-              f"  {max(float(f['memory_mb']) for f in mine):9.1f}  {ate:.4f}")
+              f"  {max(memory):9.1f}  {medians[-1]:9.1f}  {ate:.4f}")
+    later = medians[len(medians) // 2 - 1:]
+    if len(later) > 2:
+        # Images on their way through the threads make the memory of one frame vary by megabytes.
+        print(f"memory grows by {slope(later):.3f} MB a round over the last {len(later)} rounds "
+              "(line through the medians)")
 
 
 def main():

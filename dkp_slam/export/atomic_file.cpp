@@ -1,9 +1,8 @@
 #include "dkp_slam/export/atomic_file.h"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <string>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -48,10 +47,12 @@ void check_place(const fs::path& path) {
   }
 }
 
-void write_directly(const fs::path& file, const fs::path& named, std::string_view content) {
+using Fill = std::function<void(std::ostream&)>;
+
+void write_directly(const fs::path& file, const fs::path& named, const Fill& fill) {
   errno = 0;
   std::ofstream stream(file, std::ios::binary);
-  stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+  fill(stream);
   stream.close();
   if (!stream) fail(named, errno != 0 ? std::strerror(errno) : "writing failed");
 }
@@ -59,16 +60,22 @@ void write_directly(const fs::path& file, const fs::path& named, std::string_vie
 }  // namespace
 
 void write_file_atomically(const fs::path& path, std::string_view content) {
+  write_file_atomically(path, [content](std::ostream& stream) {
+    stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+  });
+}
+
+void write_file_atomically(const fs::path& path, const Fill& fill) {
   check_place(path);
   if (is_device(path)) {
-    write_directly(path, path, content);
+    write_directly(path, path, fill);
     return;
   }
   const fs::path target = target_of(path);
   const fs::path temporary = temporary_beside(target);
   std::error_code ignored;
   try {
-    write_directly(temporary, path, content);
+    write_directly(temporary, path, fill);
   } catch (const Error&) {
     fs::remove(temporary, ignored);
     throw;
@@ -88,9 +95,51 @@ void check_writable(const fs::path& path) {
     return;
   }
   const fs::path temporary = temporary_beside(target_of(path));
-  write_directly(temporary, path, "");
+  write_directly(temporary, path, [](std::ostream&) {});
   std::error_code ignored;
   fs::remove(temporary, ignored);
+}
+
+GrowingFile::GrowingFile(fs::path path) : path_(std::move(path)) {
+  check_place(path_);
+  const fs::path temporary = temporary_beside(path_);
+  errno = 0;
+  stream_.open(temporary, std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
+  if (!stream_) fail(path_, std::strerror(errno));
+  std::error_code ignored;
+  fs::remove(temporary, ignored);
+}
+
+void GrowingFile::append(std::string_view text) {
+  if (!failure_.empty()) return;
+  errno = 0;
+  stream_.write(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!stream_) failure_ = errno != 0 ? std::strerror(errno) : "writing failed";
+}
+
+void GrowingFile::for_each_line(const std::function<void(std::string_view)>& use) {
+  stream_.seekg(0);
+  for (std::string line; std::getline(stream_, line);) use(line);
+  stream_.clear();
+  stream_.seekp(0, std::ios::end);
+}
+
+void GrowingFile::save() {
+  errno = 0;
+  if (!stream_.flush() && failure_.empty()) failure_ = std::strerror(errno);
+  if (!failure_.empty()) fail(path_, failure_);
+  write_file_atomically(path_, [this](std::ostream& out) { copy_to(out); });
+}
+
+void GrowingFile::copy_to(std::ostream& out) {
+  stream_.seekg(0);
+  std::array<char, 1 << 16> piece;
+  while (stream_.read(piece.data(), piece.size()) || stream_.gcount() > 0) {
+    out.write(piece.data(), stream_.gcount());
+  }
+  if (stream_.bad()) out.setstate(std::ios::badbit);
+  stream_.clear();
+  stream_.seekp(0, std::ios::end);
 }
 
 }  // namespace dkp_slam

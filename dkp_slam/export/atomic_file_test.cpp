@@ -56,6 +56,39 @@ TEST_F(AtomicFile, ReplacesTheOldContentAndLeavesNoTemporaryFile) {
   EXPECT_EQ(files(), 1U);
 }
 
+TEST_F(AtomicFile, AGrowingFileShowsOnceItIsSaved) {
+  const fs::path path = folder_ / "log.txt";
+  GrowingFile file(path);
+  std::string all;
+  for (int i = 0; i < 20000; ++i) {  // more than any buffer holds
+    const std::string line = "line " + std::to_string(i) + "\n";
+    file.append(line);
+    all += line;
+    if (i != 9999) continue;
+    EXPECT_EQ(files(), 0U);
+    file.save();
+    EXPECT_EQ(content(path), all);
+    int lines = 0;
+    file.for_each_line(
+        [&](std::string_view seen) { EXPECT_EQ(seen, "line " + std::to_string(lines++)); });
+    EXPECT_EQ(lines, 10000);
+  }
+  file.save();
+  EXPECT_EQ(content(path), all);
+  EXPECT_EQ(files(), 1U);
+  GrowingFile(path).save();
+  EXPECT_EQ(content(path), "");
+}
+
+TEST_F(AtomicFile, AGrowingFileThatIsNotSavedLeavesNothing) {
+  write_file_atomically(folder_ / "log.txt", "an earlier one");
+  { GrowingFile(folder_ / "log.txt").append("lost"); }
+  EXPECT_EQ(content(folder_ / "log.txt"), "an earlier one");
+  EXPECT_EQ(files(), 1U);
+  EXPECT_THAT(message_of([&] { GrowingFile(folder_ / "none/log.txt"); }),
+              HasSubstr("none/log.txt"));
+}
+
 TEST_F(AtomicFile, KeepsASymbolicLinkAndReplacesItsTarget) {
   write_file_atomically(folder_ / "target", "old");
   fs::create_symlink("target", folder_ / "link");

@@ -82,6 +82,12 @@ FrameFeatures::FrameFeatures(const Camera& camera, std::vector<cv::Point2f> pixe
   build_grid();
 }
 
+std::size_t FrameFeatures::memory() const {
+  const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values[0]); };
+  return bytes(pixel) + bytes(seen_pixel) + bytes(raw_pixel) + bytes(depth) + bytes(level) +
+         bytes(angle) + bytes(descriptor) + bytes(cell_start_) + bytes(cell_members_);
+}
+
 FrameFeatures FrameFeatures::subset(const std::vector<char>& keep) const {
   FrameFeatures out;
   out.pixel = selected(pixel, keep);

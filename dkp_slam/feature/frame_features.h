@@ -34,6 +34,8 @@ class FrameFeatures {
   FrameFeatures subset(const std::vector<char>& keep) const;
 
   int size() const { return static_cast<int>(pixel.size()); }
+  /// What they hold on the heap, bytes.
+  std::size_t memory() const;
 
   /// Moves every pixel to where it would have been seen at the middle row's moment by a camera of
   /// that velocity (see at_middle_row). Replaces an earlier correction.

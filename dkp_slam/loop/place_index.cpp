@@ -61,9 +61,9 @@ std::uint32_t PlaceIndex::signature(std::size_t table, const Descriptor& d) cons
 }
 
 bool PlaceIndex::wants(int landmark, const Descriptor& look) const {
-  const auto l = static_cast<std::size_t>(landmark);
+  const std::int32_t* first = first_entry_.find(landmark);
   int looks = 0;
-  for (std::int32_t e = l < first_entry_.size() ? first_entry_[l] : none; e != none; ++looks) {
+  for (std::int32_t e = first ? *first : none; e != none; ++looks) {
     const Entry& entry = entries_[static_cast<std::size_t>(e)];
     if (hamming_distance(entry.descriptor, look) < options_.another_look_bits) return false;
     e = entry.next;
@@ -72,16 +72,15 @@ bool PlaceIndex::wants(int landmark, const Descriptor& look) const {
 }
 
 void PlaceIndex::insert(int landmark, const Descriptor& look) {
-  const auto l = static_cast<std::size_t>(landmark);
-  if (l >= first_entry_.size()) first_entry_.resize(l + 1, none);
+  const std::int32_t* first = first_entry_.find(landmark);
   if (free_.empty()) {
     free_.push_back(static_cast<std::int32_t>(entries_.size()));
     entries_.emplace_back();
   }
   const std::int32_t e = free_.back();
   free_.pop_back();
-  entries_[static_cast<std::size_t>(e)] = {look, landmark, first_entry_[l]};
-  first_entry_[l] = e;
+  entries_[static_cast<std::size_t>(e)] = {look, landmark, first ? *first : none};
+  first_entry_.set(landmark, e);
   for (std::size_t t = 0; t < static_cast<std::size_t>(options_.tables); ++t) {
     bucket(t, look).push_back({signature(t, look), e});
   }
@@ -95,6 +94,9 @@ void PlaceIndex::erase(std::int32_t e) {
         std::find_if(slots.begin(), slots.end(), [e](const Slot& s) { return s.entry == e; });
     *it = slots.back();
     slots.pop_back();
+    // Descriptors come and go all over the tables: buckets that kept their memory would end up with
+    // many times what is in them.
+    if (4 * slots.size() <= slots.capacity()) slots.shrink_to_fit();
   }
   entry.landmark = none;
   free_.push_back(e);
@@ -103,13 +105,17 @@ void PlaceIndex::erase(std::int32_t e) {
 void PlaceIndex::tidy(const Map& map) {
   const std::size_t count = std::min(options_.tidied_per_keyframe, entries_.size());
   for (std::size_t i = 0; i < count; ++i) {
-    if (next_to_tidy_ >= entries_.size()) next_to_tidy_ = 0;
+    if (next_to_tidy_ >= entries_.size()) {
+      next_to_tidy_ = 0;
+      followed_ = at_tidy_start_;
+      at_tidy_start_ = map.fusions();
+    }
     const std::int32_t landmark = entries_[next_to_tidy_++].landmark;
     if (landmark == none || map.has_landmark(landmark)) continue;
     // What it was fused into looks like it too.
     const int heir = map.resolve(landmark);
-    std::int32_t e = first_entry_[static_cast<std::size_t>(landmark)];
-    first_entry_[static_cast<std::size_t>(landmark)] = none;
+    std::int32_t e = first_entry_[landmark];
+    first_entry_.erase(landmark);
     while (e != none) {
       const Entry gone = entries_[static_cast<std::size_t>(e)];
       erase(e);
@@ -233,8 +239,7 @@ std::vector<PlaceCandidate> PlaceIndex::best_groups(const Map& map,
 
 std::size_t PlaceIndex::memory() const {
   std::size_t bytes = buckets_.capacity() * sizeof(Bucket) + entries_.capacity() * sizeof(Entry) +
-                      free_.capacity() * sizeof(std::int32_t) +
-                      first_entry_.capacity() * sizeof(std::int32_t);
+                      free_.capacity() * sizeof(std::int32_t) + first_entry_.memory();
   for (const Bucket& b : buckets_) bytes += b.capacity() * sizeof(Slot);
   return bytes;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dkp_slam/feature/descriptor.h"
+#include "dkp_slam/map/id_table.h"
 #include "dkp_slam/map/map.h"
 
 namespace dkp_slam {
@@ -73,6 +74,10 @@ class PlaceIndex {
   std::vector<PlaceCandidate> query(const Map& map, std::span<const Descriptor> frame,
                                     std::size_t most) const;
 
+  /// How many of the map's fusions (see Map::fusions) the index has followed everywhere: it holds
+  /// no landmark any more that was fused by one of the first so many.
+  std::int64_t followed_fusions() const { return followed_; }
+
   /// Descriptors stored.
   std::size_t size() const { return entries_.size() - free_.size(); }
   /// What the index holds on the heap, bytes.
@@ -107,8 +112,10 @@ class PlaceIndex {
   std::vector<Bucket> buckets_;  // table after table
   std::vector<Entry> entries_;
   std::vector<std::int32_t> free_;
-  std::vector<std::int32_t> first_entry_;  // by landmark
+  IdTable<std::int32_t> first_entry_;  // by landmark
   std::size_t next_to_tidy_ = 0;
+  std::int64_t followed_ = 0;
+  std::int64_t at_tidy_start_ = 0;  // fusions when tidying last began with the first entry
 };
 
 }  // namespace dkp_slam

@@ -124,6 +124,33 @@ TEST_F(PlaceIndexTest, EntriesOfLostLandmarksAreClearedAway) {
   EXPECT_EQ(places.size(), 100U);
 }
 
+TEST_F(PlaceIndexTest, MemoryFollowsTheLandmarksThatAreThere) {
+  std::size_t early = 0;
+  for (int k = 0; k < 300; ++k) {
+    const int id = add_keyframe({}, random_descriptors(100));
+    if (k == 50) early = places.memory();
+    for (const int l : map.landmarks_of({id})) map.remove_landmark(l);
+  }
+  EXPECT_EQ(places.size(), 100U);
+  EXPECT_LT(places.memory() - early, 20000U);  // of 25000 landmarks that came and went
+}
+
+TEST_F(PlaceIndexTest, FusionsHaveBeenFollowedAfterARoundOfTidying) {
+  const int a = add_keyframe({}, random_descriptors(50));
+  const int b = add_keyframe({}, random_descriptors(50));
+  const std::vector<Descriptor> looks = looks_of(a);
+  const std::vector<int> of_a = map.landmarks_of({a}), of_b = map.landmarks_of({b});
+  for (std::size_t i = 0; i < 50; ++i) map.fuse_landmarks(of_a[i], of_b[i]);
+  EXPECT_EQ(places.followed_fusions(), 0);
+  for (int k = 0; k < 3; ++k) places.add_keyframe(map, b);
+  ASSERT_EQ(places.followed_fusions(), 50);
+  const auto before = places.votes(map, looks);
+  map.forget_fusions(places.followed_fusions());
+  const auto votes = places.votes(map, looks);
+  ASSERT_EQ(votes.size(), before.size());
+  EXPECT_EQ(votes[0].votes, 50);
+}
+
 TEST_F(PlaceIndexTest, ALandmarkLooksLikeThoseThatBecameIt) {
   const int a = add_keyframe({}, random_descriptors(50));
   const int b = add_keyframe({}, random_descriptors(50));

@@ -26,10 +26,10 @@ Map::Map(MapParts parts) : Map(parts.camera, parts.level_scale, parts.levels) {
   for (const Keyframe& k : parts.keyframes) ++live_in_map_[static_cast<std::size_t>(k.map)];
   current_map_ = parts.current_map;
   live_keyframes_ = static_cast<int>(parts.keyframes.size());
-  live_landmarks_ = static_cast<int>(parts.landmarks.size());
-  for (int id = 0; id < parts.landmark_ids; ++id) landmarks_.emplace_back(nullptr);
+  landmark_ids_ = parts.landmark_ids;
   for (Landmark& l : parts.landmarks) {
-    landmarks_[static_cast<std::size_t>(l.id)].now = std::make_unique<Landmark>(std::move(l));
+    const int id = l.id;
+    landmarks_.set(id, LandmarkSlot(std::move(l)));
   }
   for (int id = 0; id < parts.keyframe_ids; ++id) {
     keyframes_.emplace_back();
@@ -52,9 +52,7 @@ Map::Map(MapParts parts) : Map(parts.camera, parts.level_scale, parts.levels) {
       keyframe(it->first).covisible[k.id] = it->second;
     }
   }
-  for (int id = 0; id < parts.landmark_ids; ++id) {
-    if (has_landmark(id)) refresh(id);
-  }
+  for (const int id : landmarks()) refresh(id);
 }
 
 int Map::start_map() {
@@ -105,12 +103,12 @@ int Map::add_keyframe(Keyframe keyframe) {
 }
 
 int Map::add_landmark(const Eigen::Vector3d& position, int keyframe_id, int feature) {
-  const int id = landmark_ids();
-  landmarks_.emplace_back(std::make_unique<Landmark>());
-  landmark(id).id = id;
-  landmark(id).position = position;
-  landmark(id).first_keyframe = keyframe_id;
-  ++live_landmarks_;
+  const int id = landmark_ids_++;
+  Landmark added;
+  added.id = id;
+  added.position = position;
+  added.first_keyframe = keyframe_id;
+  landmarks_.set(id, LandmarkSlot(std::move(added)));
   add_sighting(id, keyframe_id, feature);
   refresh(id);
   return id;
@@ -140,8 +138,7 @@ void Map::remove_landmark(int landmark_id) {
   for (const Sighting& s : landmark(landmark_id).sightings) {
     keyframe(s.keyframe).landmarks[static_cast<std::size_t>(s.feature)] = -1;
   }
-  landmarks_[static_cast<std::size_t>(landmark_id)].now.reset();
-  --live_landmarks_;
+  landmarks_.erase(landmark_id);
 }
 
 void Map::fuse_landmarks(int dropped, int kept) {
@@ -152,7 +149,8 @@ void Map::fuse_landmarks(int dropped, int kept) {
   target.visible += landmark(dropped).visible;
   target.dynamic_log_odds = std::max(target.dynamic_log_odds, landmark(dropped).dynamic_log_odds);
   remove_landmark(dropped);
-  landmarks_[static_cast<std::size_t>(dropped)].replaced_by = kept;
+  replaced_by_.set(dropped, kept);
+  fused_.push_back(dropped);
   for (const Sighting& s : moved) {
     if (target.feature_in(s.keyframe) < 0) add_sighting(kept, s.keyframe, s.feature);
   }
@@ -169,15 +167,25 @@ void Map::remove_keyframe(int keyframe_id) {
   k.self_from_parent = k.camera_from_world * keyframe_pose(k.parent).inverse();
   k.covisible.clear();
   k.features = {};
-  k.landmarks = {};
+  k.landmarks = std::vector<int>();  // "= {}" would keep the memory
   k.removed = true;
   --live_keyframes_;
   --live_in_map_[static_cast<std::size_t>(k.map)];
 }
 
 int Map::resolve(int id) const {
-  while (id >= 0 && !has_landmark(id)) id = landmarks_[static_cast<std::size_t>(id)].replaced_by;
+  while (id >= 0 && !has_landmark(id)) {
+    const int* replacement = replaced_by_.find(id);
+    id = replacement ? *replacement : -1;
+  }
   return id;
+}
+
+void Map::forget_fusions(std::int64_t first) {
+  for (; forgotten_fusions_ < first && !fused_.empty(); ++forgotten_fusions_) {
+    replaced_by_.erase(fused_.front());
+    fused_.pop_front();
+  }
 }
 
 std::map<int, int> Map::shared_landmarks(int keyframe_id) const {
@@ -218,12 +226,14 @@ std::vector<int> Map::best_covisible(int keyframe_id, int count) const {
 
 std::vector<int> Map::landmarks_of(const std::vector<int>& keyframes) const {
   // Keyframes of one place share most of them: far fewer are left to sort than are met.
-  std::vector<char> met(static_cast<std::size_t>(landmark_ids()), 0);
+  std::vector<char> met(landmark_places(), 0);
   std::vector<int> ids;
   for (const int k : keyframes) {
     for (const int l : keyframe(k).landmarks) {
-      if (l < 0 || met[static_cast<std::size_t>(l)]) continue;
-      met[static_cast<std::size_t>(l)] = 1;
+      if (l < 0) continue;
+      char& mark = met[place_of_landmark(l)];
+      if (mark) continue;
+      mark = 1;
       ids.push_back(l);
     }
   }
@@ -274,6 +284,19 @@ void Map::refresh_view(int landmark_id) {
 int Map::predicted_level(const Landmark& l, double distance) const {
   const auto ratio = static_cast<float>(l.max_distance / distance);
   return std::clamp(static_cast<int>(std::ceil(std::log(ratio) / log_scale_)), 0, levels() - 1);
+}
+
+std::size_t Map::memory() const {
+  std::size_t bytes = landmarks_.memory() + replaced_by_.memory() + fused_.size() * sizeof(int);
+  for (const int id : landmarks()) {
+    bytes += sizeof(Landmark) + landmark(id).sightings.capacity() * sizeof(Sighting);
+  }
+  constexpr std::size_t tree_node = sizeof(std::pair<const int, int>) + 4 * sizeof(void*);
+  for (const Keyframe& k : keyframes_) {
+    bytes += sizeof(Keyframe) + k.features.memory() + k.landmarks.capacity() * sizeof(int) +
+             k.covisible.size() * tree_node;
+  }
+  return bytes;
 }
 
 Se3 Map::keyframe_pose(int id) const {

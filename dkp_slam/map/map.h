@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <vector>
 
 #include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/map/id_table.h"
 #include "dkp_slam/map/keyframe.h"
 #include "dkp_slam/map/landmark.h"
 #include "dkp_slam/map/map_parts.h"
@@ -32,19 +34,19 @@ class Map {
 
   Keyframe& keyframe(int id) { return keyframes_[static_cast<std::size_t>(id)]; }
   const Keyframe& keyframe(int id) const { return keyframes_[static_cast<std::size_t>(id)]; }
-  /// Only while `has_landmark`: of a removed one nothing is kept but its number.
-  Landmark& landmark(int id) { return *landmarks_[static_cast<std::size_t>(id)].now; }
-  const Landmark& landmark(int id) const { return *landmarks_[static_cast<std::size_t>(id)].now; }
-  bool has_landmark(int id) const {
-    return landmarks_[static_cast<std::size_t>(id)].now != nullptr;
-  }
+  /// Only while `has_landmark`: of a removed one nothing is kept.
+  Landmark& landmark(int id) { return *landmarks_[id]; }
+  const Landmark& landmark(int id) const { return *landmarks_[id]; }
+  bool has_landmark(int id) const { return landmarks_.find(id) != nullptr; }
+  /// Ids of all landmarks that have not been removed, ascending.
+  std::vector<int> landmarks() const { return landmarks_.ids(); }
 
   /// Ids of all keyframes run from 0 to this; removed ones among them.
   int keyframe_ids() const { return static_cast<int>(keyframes_.size()); }
-  int landmark_ids() const { return static_cast<int>(landmarks_.size()); }
+  int landmark_ids() const { return landmark_ids_; }
   int live_keyframes() const { return live_keyframes_; }
   int live_keyframes_in(int map) const { return live_in_map_[static_cast<std::size_t>(map)]; }
-  int live_landmarks() const { return live_landmarks_; }
+  int live_landmarks() const { return static_cast<int>(landmarks_.size()); }
 
   /// Maps begun so far, those joined to others among them; new keyframes go to the last.
   int maps() const { return static_cast<int>(live_in_map_.size()); }
@@ -70,8 +72,14 @@ class Map {
   /// Forgets a keyframe's features; its pose stays known through its parent.
   void remove_keyframe(int keyframe);
 
-  /// The landmark that stands for `id` now: itself, what it was fused into, or -1 if gone.
+  /// The landmark that stands for `id` now: itself, what it was fused into, or -1 if gone. Of those
+  /// whose fusion has been forgotten -1 as well.
   int resolve(int id) const;
+  /// Landmarks fused into others so far.
+  std::int64_t fusions() const { return forgotten_fusions_ + std::int64_t(fused_.size()); }
+  /// Forgets what the first so many were fused into: to be called when nobody holds their ids any
+  /// more. In a room that is mapped over and over every sixth landmark ends in a fusion.
+  void forget_fusions(std::int64_t first);
 
   /// Counts anew which keyframes share landmarks with this one (15 or more, or the best one).
   void update_covisibility(int keyframe);
@@ -80,6 +88,9 @@ class Map {
 
   /// The landmarks that these keyframes see, each once, in the order of their ids.
   std::vector<int> landmarks_of(const std::vector<int>& keyframes) const;
+  /// For marks on landmarks in a plain array: see IdTable::place_of.
+  std::size_t place_of_landmark(int id) const { return landmarks_.place_of(id); }
+  std::size_t landmark_places() const { return landmarks_.places(); }
 
   /// Most typical descriptor, mean direction and distance range, from the present sightings.
   void refresh(int landmark);
@@ -91,22 +102,24 @@ class Map {
   /// Pose of any keyframe, removed ones through their parents.
   Se3 keyframe_pose(int id) const;
 
+  /// What the map holds on the heap, bytes.
+  std::size_t memory() const;
+
   const Camera& camera() const { return camera_; }
   float level_scale() const { return level_scale_; }
   float scale_of(int level) const { return scales_[static_cast<std::size_t>(level)]; }
   int levels() const { return static_cast<int>(scales_.size()); }
 
  private:
-  struct LandmarkSlot {
-    std::unique_ptr<Landmark> now;  // null once removed
-    int replaced_by = -1;           // the landmark it was fused into
-
-    explicit LandmarkSlot(std::unique_ptr<Landmark> landmark) : now(std::move(landmark)) {}
+  /// A landmark that does not move in memory, and is copied with the map.
+  struct LandmarkSlot : std::unique_ptr<Landmark> {
+    LandmarkSlot() = default;
+    explicit LandmarkSlot(Landmark landmark)
+        : unique_ptr(std::make_unique<Landmark>(std::move(landmark))) {}
     LandmarkSlot(LandmarkSlot&&) = default;
     LandmarkSlot& operator=(LandmarkSlot&&) = default;
     LandmarkSlot(const LandmarkSlot& other)
-        : now(other.now ? std::make_unique<Landmark>(*other.now) : nullptr),
-          replaced_by(other.replaced_by) {}
+        : unique_ptr(other ? std::make_unique<Landmark>(*other) : nullptr) {}
     LandmarkSlot& operator=(const LandmarkSlot& other) { return *this = LandmarkSlot(other); }
   };
 
@@ -120,9 +133,12 @@ class Map {
   std::vector<float> scales_;
   float log_scale_;
   std::deque<Keyframe> keyframes_;
-  std::vector<LandmarkSlot> landmarks_;
+  IdTable<LandmarkSlot> landmarks_;
+  IdTable<int> replaced_by_;  // the landmark that one was fused into
+  std::deque<int> fused_;     // whose fusion is known, in the order in which they were fused
+  std::int64_t forgotten_fusions_ = 0;
+  int landmark_ids_ = 0;
   int live_keyframes_ = 0;
-  int live_landmarks_ = 0;
   std::vector<int> live_in_map_ = {0};
   int current_map_ = 0;
 };

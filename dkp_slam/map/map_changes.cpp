@@ -10,7 +10,7 @@ namespace dkp_slam {
 namespace {
 
 constexpr std::uint64_t absent = 0;
-constexpr int ahead = 12;  // landmarks, from fetching one to looking at it
+constexpr std::size_t ahead = 12;  // landmarks, from fetching one to looking at it
 
 std::uint64_t mix(std::uint64_t state, std::uint64_t word) {
   state = (state ^ word) * 0x9E3779B97F4A7C15ULL;
@@ -92,23 +92,24 @@ void ChangeFinder::find_keyframes(const Map& map, MapChange& change) {
 }
 
 void ChangeFinder::find_landmarks(const Map& map, MapChange& change) {
-  landmarks_.resize(static_cast<std::size_t>(map.landmark_ids()), absent);
-  for (int id = 0; id < map.landmark_ids(); ++id) {
-    if (id + ahead < map.landmark_ids() && map.has_landmark(id + ahead)) {
+  for (const int id : landmarks_.ids()) {
+    if (map.has_landmark(id)) continue;
+    change.removed_landmarks.push_back(id);
+    landmarks_.erase(id);
+  }
+  const std::vector<int> ids = map.landmarks();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (i + ahead < ids.size()) {
       // They lie all over the memory, and waiting for it is most of the work.
-      __builtin_prefetch(&map.landmark(id + ahead).position);
-      __builtin_prefetch(&map.landmark(id + ahead).first_keyframe);
+      __builtin_prefetch(&map.landmark(ids[i + ahead]).position);
+      __builtin_prefetch(&map.landmark(ids[i + ahead]).first_keyframe);
     }
-    std::uint64_t& known = landmarks_[static_cast<std::size_t>(id)];
-    if (!map.has_landmark(id)) {
-      if (known != absent) change.removed_landmarks.push_back(id);
-      known = absent;
-      continue;
-    }
+    const int id = ids[i];
     const Landmark& l = map.landmark(id);
     const std::uint64_t now = hash_of(l);
-    if (now == known) continue;
-    known = now;
+    const std::uint64_t* known = landmarks_.find(id);
+    if (known && *known == now) continue;
+    landmarks_.set(id, now);
     change.landmarks.push_back(
         {id, l.position, l.first_keyframe, l.visible, l.found, l.dynamic_log_odds});
   }

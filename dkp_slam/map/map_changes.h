@@ -63,8 +63,8 @@ class ChangeFinder {
   void find_landmarks(const Map& map, MapChange& change);
   void find_counts(const Map& map, MapChange& change);
 
-  // By id; 0 for what is not there.
-  std::vector<std::uint64_t> keyframes_, landmarks_;
+  std::vector<std::uint64_t> keyframes_;  // by id; 0 for what is not there
+  IdTable<std::uint64_t> landmarks_;
   bool first_ = true;
   int keyframe_ids_ = 0, landmark_ids_ = 0, maps_ = 1, current_map_ = 0;
   std::vector<int> live_maps_;

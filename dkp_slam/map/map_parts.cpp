@@ -189,9 +189,7 @@ MapParts parts_of(const Map& map) {
     parts.keyframes.back().parent =
         k.parent < 0 ? -1 : ancestor[static_cast<std::size_t>(k.parent)];
   }
-  for (int id = 0; id < map.landmark_ids(); ++id) {
-    if (map.has_landmark(id)) parts.landmarks.push_back(stripped(map.landmark(id)));
-  }
+  for (const int id : map.landmarks()) parts.landmarks.push_back(stripped(map.landmark(id)));
   return parts;
 }
 

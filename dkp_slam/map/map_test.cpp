@@ -102,6 +102,48 @@ TEST_F(MapOfThree, LosingTheLastSightingRemovesTheLandmark) {
   EXPECT_FALSE(map.has_landmark(42));
 }
 
+TEST_F(MapOfThree, AForgottenFusionLeadsNowhere) {
+  map.fuse_landmarks(45, 46);
+  map.fuse_landmarks(47, 46);
+  EXPECT_EQ(map.fusions(), 2);
+  map.forget_fusions(1);
+  EXPECT_EQ(map.resolve(45), -1);
+  EXPECT_EQ(map.resolve(47), 46);
+  map.forget_fusions(1);  // again: the same ones
+  EXPECT_EQ(map.resolve(47), 46);
+  map.forget_fusions(map.fusions());
+  EXPECT_EQ(map.resolve(47), -1);
+  EXPECT_EQ(map.resolve(46), 46);
+  EXPECT_EQ(map.fusions(), 2);
+}
+
+TEST(LongRun, MemoryFollowsWhatIsInTheMapNotWhatHasBeen) {
+  // 30 landmarks that are seen for ever, and with each keyframe 30 that go with it and 30 that turn
+  // out to be the old ones. The last five keyframes stay.
+  Map map{plain_camera(), 1.2F, 8};
+  std::size_t early = 0;
+  for (int step = 0; step < 600; ++step) {
+    Keyframe k = keyframe_at(0.01 * step, 90);
+    for (int f = 0; f < 30 && step > 0; ++f) k.landmarks[std::size_t(f)] = f;
+    const int id = map.add_keyframe(std::move(k));
+    std::vector<int> added;
+    for (int f = step > 0 ? 30 : 0; f < 90; ++f)
+      added.push_back(map.add_landmark({0.01 * f, 0.0, 2.0}, id, f));
+    map.update_covisibility(id);
+    for (std::size_t i = 0; i < 30 && step > 0; ++i) {
+      map.fuse_landmarks(added[i], static_cast<int>(i));
+      ASSERT_EQ(map.resolve(added[i]), static_cast<int>(i));
+    }
+    if (id > 5) map.remove_keyframe(id - 5);
+    map.forget_fusions(map.fusions() - 60);
+    if (step == 200) early = map.memory();
+  }
+  EXPECT_EQ(map.live_keyframes(), 6);
+  EXPECT_EQ(map.live_landmarks(), 90 + 5 * 30);
+  // A keyframe's place in the spanning tree is all that is left of each step.
+  EXPECT_LT(map.memory() - early, 400 * (sizeof(Keyframe) + 40));
+}
+
 TEST_F(MapOfThree, PredictedLevelFollowsTheDistance) {
   const Landmark& l = map.landmark(0);  // seen on level 0 from 2 m
   EXPECT_EQ(map.predicted_level(l, 2.0), 0);

@@ -84,11 +84,13 @@ std::vector<LaterKeyframe> later_keyframes(const Map& map, const BundleProblem& 
 
 std::vector<LaterLandmark> later_landmarks(const Map& map, const BundleProblem& problem,
                                            const std::vector<int>& keyframes) {
-  std::vector<char> known(static_cast<std::size_t>(map.landmark_ids()), 0);
-  for (const auto& p : problem.points) known[static_cast<std::size_t>(p.landmark)] = 1;
+  std::vector<char> known(map.landmark_places(), 0);
+  for (const auto& p : problem.points) {
+    if (map.has_landmark(p.landmark)) known[map.place_of_landmark(p.landmark)] = 1;
+  }
   std::vector<LaterLandmark> later;
   for (const int l : map.landmarks_of(keyframes)) {
-    if (known[static_cast<std::size_t>(l)]) continue;
+    if (known[map.place_of_landmark(l)]) continue;
     const int first = map.landmark(l).sightings.front().keyframe;
     later.push_back({l, first, map.keyframe(first).camera_from_world * map.landmark(l).position});
   }

@@ -28,6 +28,9 @@ Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
 
 void Mapper::insert_keyframe(Frame& frame) {
   if (worker_.pending()) carry_back();
+  // Ids from before the last keyframe are held by the index alone: all frames that may still be
+  // asked about were localised since.
+  map_.forget_fusions(places_.followed_fusions());
   Keyframe keyframe;
   keyframe.frame_index = frame.index;
   keyframe.timestamp = frame.timestamp;

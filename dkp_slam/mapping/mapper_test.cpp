@@ -170,6 +170,27 @@ TEST_F(Mapping, KeyframesThatAddNothingGoAndTheirPosesStayKnown) {
   }
 }
 
+TEST_F(Mapping, FusionsAreForgottenWhenNobodyAsksAnyMore) {
+  for (int k = 0; k < 40; ++k) {
+    Frame frame = tracked_at(pose(0.1 * (k % 5), 0.0, 0.0), 10 * k);
+    // Every fourth landmark is overlooked, made again, and fused with the one there was.
+    for (std::size_t f = std::size_t(k) % 4; f < points.size(); f += 4) frame.landmark[f] = -1;
+    insert(frame);
+    const Frame next = tracked_at(pose(0.1 * (k % 5), 0.0, 0.0), 10 * k + 1);
+    for (std::size_t f = 0; f < points.size(); ++f) {
+      // What the frame has seen leads to a landmark, whatever became of it.
+      if (map.keyframe(frame.reference_keyframe).landmarks[f] >= 0)
+        ASSERT_TRUE(map.has_landmark(next.landmark[f]));
+    }
+  }
+  int remembered = 0;
+  for (int id = 0; id < map.landmark_ids(); ++id) {
+    remembered += !map.has_landmark(id) && map.resolve(id) >= 0;
+  }
+  EXPECT_GT(map.fusions(), 1000);
+  EXPECT_LT(remembered, 200);
+}
+
 TEST_F(Mapping, ASnapshotHoldsItsWindowAndFixesTheRest) {
   for (int k = 0; k < 4; ++k) {
     Frame frame = world.frame_at(pose(0.4 * k - 0.6, 0.0, 0.0), points);

@@ -292,7 +292,7 @@ void Tracker::remember(const Frame& frame) {
   last_ = frame;
   last_from_reference_ =
       frame.camera_from_world * map_.keyframe_pose(frame.reference_keyframe).inverse();
-  poses_.push_back({frame.index, frame.timestamp, frame.reference_keyframe, last_from_reference_});
+  poses_.push_back({frame.timestamp, frame.reference_keyframe, last_from_reference_});
 }
 
 }  // namespace dkp_slam

@@ -57,7 +57,6 @@ struct TrackerOptions {
 /// The pose a frame was given when it was tracked, kept relative to its reference keyframe, so that
 /// what adjusts the keyframe later adjusts the frame too.
 struct TrackedPose {
-  int frame_index = -1;
   double timestamp = 0.0;
   int reference_keyframe = -1;
   Se3 camera_from_reference;

@@ -1,0 +1,88 @@
+#include "apps/run_log.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "dkp_slam/detection/recorded_detector.h"
+#include "dkp_slam/evaluation/statistics.h"
+
+namespace dkp_slam::apps {
+namespace {
+
+struct Column {
+  const char* name;
+  double FrameReport::*value;
+};
+
+/// The last ones of a line.
+constexpr std::array columns = {
+    Column{"decode", &FrameReport::decode_ms},
+    Column{"features", &FrameReport::feature_ms},
+    Column{"detection", &FrameReport::detection_ms},
+    Column{"clustering", &FrameReport::clustering_ms},
+    Column{"removal", &FrameReport::removal_ms},
+    Column{"tracking", &FrameReport::tracking_ms},
+    Column{"frame", &FrameReport::frame_ms},
+};
+
+std::string header() {
+  std::string line =
+      "index,timestamp,localised,keyframe,features,removed,detections,compensated,landmarks,"
+      "map_keyframes,map_landmarks,memory_mb";
+  for (const Column& c : columns) line += fmt::format(",{}_ms", c.name);
+  return line + '\n';
+}
+
+std::string line_of(const FrameReport& f) {
+  std::string line = fmt::format(
+      "{},{:.6f},{:d},{:d},{},{},{},{},{},{},{},{:.1f}", f.index, f.timestamp, f.localised,
+      f.keyframe, f.features, f.removed_features, f.detections, f.compensated, f.tracked_landmarks,
+      f.map_keyframes, f.map_landmarks, f.resident_mb);
+  for (const Column& c : columns) line += fmt::format(",{:.3f}", f.*c.value);
+  return line + '\n';
+}
+
+}  // namespace
+
+RunLog::RunLog(const std::filesystem::path& folder)
+    : timings_(folder / "timings.csv"), detections_(folder / "detections.txt") {
+  timings_.append(header());
+  detections_.append(recorded_header());
+}
+
+void RunLog::add(const FrameReport& frame) { timings_.append(line_of(frame)); }
+
+void RunLog::add(double timestamp, const std::vector<Detection>& detections) {
+  detections_.append(recorded_lines(timestamp, detections));
+}
+
+std::vector<StageMedian> RunLog::medians() {
+  std::array<std::vector<double>, columns.size()> values;
+  bool first = true;
+  timings_.for_each_line([&](std::string_view line) {
+    for (std::size_t i = columns.size(); i-- > 0 && !first;) {
+      const std::size_t comma = line.rfind(',');
+      double value = 0.0;
+      std::from_chars(line.data() + comma + 1, line.data() + line.size(), value);
+      values[i].push_back(value);
+      line = line.substr(0, comma);
+    }
+    first = false;
+  });
+  std::vector<StageMedian> all;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    all.push_back({columns[i].name, values[i].empty() ? 0.0 : median(values[i])});
+  }
+  return all;
+}
+
+void RunLog::save() {
+  detections_.save();
+  timings_.save();
+}
+
+}  // namespace dkp_slam::apps

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dkp_slam/detection/detector.h"
+#include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/system/slam.h"
+
+namespace dkp_slam::apps {
+
+/// Median time of a stage over the frames of a run.
+struct StageMedian {
+  std::string stage;
+  double ms = 0.0;
+};
+
+/// What a run writes about every frame: timings.csv, a line per frame and a column per stage, and
+/// detections.txt. It goes to the disk as it comes, so that an hour takes no more memory than a
+/// minute, and shows in the folder once it is saved.
+class RunLog {
+ public:
+  explicit RunLog(const std::filesystem::path& folder);
+
+  void add(const FrameReport& frame);
+  void add(double timestamp, const std::vector<Detection>& detections);
+  /// Of each stage, 0 without frames; in the order of the columns, the whole frame last.
+  std::vector<StageMedian> medians();
+  /// Throws `Error` where something could not be written, now or before.
+  void save();
+
+ private:
+  GrowingFile timings_, detections_;
+};
+
+}  // namespace dkp_slam::apps
