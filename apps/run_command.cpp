@@ -111,7 +111,6 @@ RunTotals play(FrontEnd& front_end, Slam& slam, RunMap& map, OverlayWriter* over
   } catch (const std::exception& error) {
     totals.failure = error.what();
   }
-  totals.interrupted = interrupted();
   totals.skipped_frames = front_end.skipped_frames();
   totals.dropped_frames = front_end.dropped_frames();
   totals.detector_failures = front_end.detector_failures();
@@ -160,7 +159,8 @@ void run(RunOptions options) {
                        {slam_options.orb, options.realtime, options.one_at_a_time});
     result.totals = play(front_end, slam, map, overlay ? &*overlay : nullptr, frames);
   }
-  slam.finish(result.totals.interrupted);
+  slam.finish(&interrupt_flag());
+  result.totals.interrupted = interrupted();
   std::vector<Trajectory> paths = slam.trajectories();
   if (!paths.empty()) {
     result.trajectory = std::move(paths.front());
