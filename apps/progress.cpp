@@ -1,7 +1,6 @@
 #include "apps/progress.h"
 
 #include <algorithm>
-#include <atomic>
 #include <csignal>
 #include <utility>
 
@@ -88,5 +87,7 @@ void catch_interrupts() {
 }
 
 bool interrupted() { return interrupt_seen; }
+
+const std::atomic<bool>& interrupt_flag() { return interrupt_seen; }
 
 }  // namespace dkp_slam::apps

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdio>
@@ -41,5 +42,7 @@ class Progress {
 /// once.
 void catch_interrupts();
 bool interrupted();
+/// What `interrupted` reads, for work that is to be stopped by it.
+const std::atomic<bool>& interrupt_flag();
 
 }  // namespace dkp_slam::apps

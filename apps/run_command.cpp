@@ -120,7 +120,6 @@ RunTotals play(FrontEnd& front_end, Slam& slam, RunMap& map, OverlayWriter* over
     totals.failure = error.what();
     if (under_way) note();
   }
-  totals.interrupted = interrupted();
   totals.skipped_frames = front_end.skipped_frames();
   totals.dropped_frames = front_end.dropped_frames();
   totals.detector_failures = front_end.detector_failures();
@@ -170,7 +169,8 @@ void run(RunOptions options) {
                        {slam_options.orb, options.realtime, options.one_at_a_time});
     result.totals = play(front_end, slam, map, overlay ? &*overlay : nullptr, log, frames);
   }
-  slam.finish(result.totals.interrupted);
+  slam.finish(&interrupt_flag());
+  result.totals.interrupted = interrupted();
   std::vector<Trajectory> paths = slam.trajectories();
   if (!paths.empty()) {
     result.trajectory = std::move(paths.front());

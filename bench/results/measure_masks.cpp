@@ -90,6 +90,7 @@ std::optional<MaskFigures> measure_masks(const MeasureOptions& options, const Ru
   slam_options.camera = load_camera((options.config / camera_file(key.sequence)).string());
   slam_options.dynamics.mode = modes.at(key.mode);
   slam_options.seed = key.seed;
+  slam_options.final_adjustment = false;  // masks are there before it
   Slam slam(slam_options);
   FrontEnd front_end(open_tum_folder(sequence.string(), slam_options.camera),
                      detector_of(options, slam_options.camera), {slam_options.orb, false});
@@ -102,7 +103,7 @@ std::optional<MaskFigures> measure_masks(const MeasureOptions& options, const Ru
     compared += score_frame(tally, sequence / "mask", *prepared, dynamics);
     progress(++frames);
   }
-  slam.finish(true);
+  slam.finish();
   if (compared == 0) {
     throw Error((sequence / "mask").string() +
                 ": no mask is named like a colour image; is it of this sequence?");

@@ -159,6 +159,12 @@ TEST_F(Killing, AtFiftyMomentsLosesNothingOlderThanASecond) {
       grown_steps = std::max(grown_steps, saved);
     }
   }
+#ifdef __SANITIZE_THREAD__
+  if (tested_steps <= 10 || grown_steps <= 50) {
+    GTEST_SKIP() << "all files are sound, but ThreadSanitizer made the children too slow to lose "
+                    "much";
+  }
+#endif
   EXPECT_GT(tested_steps, 10);  // else the children were too slow to show anything
   EXPECT_GT(grown_steps, 50);
 }

@@ -145,12 +145,13 @@ void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& 
   }
 }
 
-void adjust_map(Map& map, const MeasurementModel& model, int which, int iterations) {
+void adjust_map(Map& map, const MeasurementModel& model, int which, int iterations,
+                const std::atomic<bool>* stop) {
   if (map.live_keyframes_in(which) < 2) return;
   BundleOptions options;
   options.iterations = iterations;
   const BundleProblem problem = full_bundle(map, model, which);
-  apply_bundle(map, problem, adjust_bundle(map.camera(), model, problem, options));
+  apply_bundle(map, problem, adjust_bundle(map.camera(), model, problem, options, stop));
 }
 
 void apply_full_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution) {

@@ -22,8 +22,10 @@ BundleProblem full_bundle(const Map& map, const MeasurementModel& model, int whi
 /// landmarks that have gone since are passed over.
 void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution);
 
-/// Adjusts all of one map, here and now.
-void adjust_map(Map& map, const MeasurementModel& model, int which, int iterations);
+/// Adjusts all of one map, here and now. Where `stop` is set before it is done, the map stays as it
+/// was.
+void adjust_map(Map& map, const MeasurementModel& model, int which, int iterations,
+                const std::atomic<bool>* stop = nullptr);
 
 /// `apply_bundle` for a whole map that has grown since the snapshot: keyframes that came later keep
 /// their place relative to their nearest ancestor in it, landmarks relative to the first keyframe

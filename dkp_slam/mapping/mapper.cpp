@@ -139,12 +139,13 @@ void Mapper::carry_back() {
   apply_bundle(map_, under_way_, solution);
 }
 
-void Mapper::finish(bool full_adjustment) {
+void Mapper::finish(bool full_adjustment, const std::atomic<bool>* stop) {
   full_adjustment_.stop();
   if (worker_.pending()) carry_back();
   if (!full_adjustment) return;
   for (int which = 0; which < map_.maps(); ++which) {
-    adjust_map(map_, model_, which, options_.full.iterations);
+    if (stop && *stop) return;
+    adjust_map(map_, model_, which, options_.full.iterations, stop);
   }
 }
 

@@ -45,8 +45,9 @@ class Mapper {
   const std::vector<ClosedLoop>& loops() const { return loop_closer_.closed(); }
   /// Loops and joins that the whole map has been adjusted after.
   int full_adjustments() const { return full_adjustment_.done(); }
-  /// Ends what is under way, then adjusts every map as a whole once more, if wanted.
-  void finish(bool full_adjustment);
+  /// Ends what is under way, then adjusts every map as a whole once more, if wanted and until
+  /// `stop` is set: then the solver ends at its next iteration, and its map stays as it was.
+  void finish(bool full_adjustment, const std::atomic<bool>* stop = nullptr);
 
  private:
   void create_landmarks(Frame& frame, int keyframe, const std::vector<int>& feature_of_frame);

@@ -1,5 +1,6 @@
 #include "dkp_slam/mapping/mapper.h"
 
+#include <atomic>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -132,6 +133,10 @@ TEST_F(Mapping, FinishAdjustsTheWholeMap) {
     ASSERT_FALSE(map.keyframe(k).removed);
     map.keyframe(k).camera_from_world = pose(0.01, -0.01, 0.0) * truth[std::size_t(k)];
   }
+  const Se3 before = map.keyframe(3).camera_from_world;
+  const std::atomic<bool> stop{true};
+  mapper.finish(true, &stop);
+  EXPECT_EQ(pose_distance(map.keyframe(3).camera_from_world, before), 0.0);
   mapper.finish(true);
   for (int k = 0; k <= 3; ++k) {
     EXPECT_LT(pose_distance(map.keyframe(k).camera_from_world, truth[std::size_t(k)]), 1e-3);

@@ -41,9 +41,9 @@ std::optional<PreparedFrame> FrontEnd::next() {
   if (options_.one_at_a_time) asked_for_.push_newest(0);
   std::optional<PreparedFrame> frame = options_.realtime ? extracted_.pop() : detected_.pop();
   if (!frame) {
-    for (const std::exception_ptr& error : {feature_error_, source_error_}) {
-      if (error) std::rethrow_exception(error);
-    }
+    if (feature_error_) std::rethrow_exception(feature_error_);
+    // Not before that: where extraction failed, the source may still be reading.
+    if (source_error_) std::rethrow_exception(source_error_);
     return std::nullopt;
   }
   if (options_.realtime) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -144,6 +145,31 @@ TEST(FrontEnd, AnImageThatCannotBeWorkedOnIsAnErrorToo) {
   FrontEnd front_end(std::make_unique<GreySource>(), nullptr, {});
   EXPECT_TRUE(front_end.next());
   EXPECT_THROW(front_end.next(), cv::Exception);
+}
+
+TEST(FrontEnd, AnErrorOfTheSourceComesTooLateAfterOneOfTheFeatures) {
+  class GreySource : public FakeSource {
+   public:
+    using FakeSource::FakeSource;
+    std::optional<RgbdFrame> read() override {
+      auto frame = FakeSource::read();
+      if (frame) frame->colour = cv::Mat();
+      return frame;
+    }
+  };
+  // Relaxed: ThreadSanitizer must not take the flag for what orders the two threads.
+  std::atomic<bool> failed{false}, last{false};
+  auto source = std::make_unique<GreySource>(3, [&](int index) {
+    if (index == 0) return;
+    while (!failed.load(std::memory_order_relaxed)) std::this_thread::yield();
+    last.store(true, std::memory_order_relaxed);
+    throw Error("the disk is gone");
+  });
+  FrontEnd front_end(std::move(source), nullptr, {});
+  EXPECT_THROW(front_end.next(), cv::Exception);
+  failed.store(true, std::memory_order_relaxed);
+  while (!last.load(std::memory_order_relaxed)) std::this_thread::yield();
+  for (int i = 0; i < 100; ++i) EXPECT_THROW(front_end.next(), cv::Exception);
 }
 
 TEST(FrontEnd, EndsInTheMiddleWithoutReadingOn) {

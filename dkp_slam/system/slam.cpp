@@ -82,8 +82,8 @@ FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_o
   return report;
 }
 
-void Slam::finish(bool hurry) {
-  mapper_.finish(options_.final_adjustment && !hurry && !options_.localize_only);
+void Slam::finish(const std::atomic<bool>* stop) {
+  mapper_.finish(options_.final_adjustment && !options_.localize_only, stop);
 }
 
 std::vector<int> Slam::maps_in_use() const {

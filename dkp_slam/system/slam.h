@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -58,8 +59,9 @@ class Slam {
   /// about moving things, for pictures.
   FrameReport track(const PreparedFrame& prepared, FrameDynamics* dynamics_out = nullptr);
 
-  /// Ends the run: waits for the adjustment under way and does the final one. `hurry` skips that.
-  void finish(bool hurry = false);
+  /// Ends the run: waits for the adjustment under way and does the final one, unless `stop` is set
+  /// before that is done.
+  void finish(const std::atomic<bool>* stop = nullptr);
 
   /// Poses of all localised frames, by time, with everything known so far: one path per map that
   /// any were localised in, each in its own world frame, the longest first.

@@ -58,7 +58,6 @@ struct Recording {
     while (auto frame = world.read()) {
       truth.push_back({frame->timestamp, world.truth().world_from_camera});
       truths.push_back(world.truth());
-      truths.back().mask = world.truth().mask.clone();  // the source writes the next one over it
       frames.push_back(std::move(*frame));
     }
   }

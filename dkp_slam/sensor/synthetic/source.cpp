@@ -136,7 +136,9 @@ std::optional<RgbdFrame> SyntheticSource::read() {
   truth_.world_from_camera = scenario_.camera(time);
   truth_.depth = seen.depth;
   truth_.instance = seen.instance;
-  truth_.mask = seen.instance != 0;
+  // A picture of its own: assigned as it is, the comparison would be written into the last frame's,
+  // which others may still be reading.
+  truth_.mask = cv::Mat(seen.instance != 0);
   truth_.objects = objects_in(seen.instance, scenario_.actors);
   frame.colour = sensor_->expose(seen.radiance, time);
   if (options_.kinect_noise) {

@@ -103,8 +103,11 @@ TEST(SyntheticSource, DepthAndPosesAgreeOverTime) {
   SyntheticSource source(o);
   source.read();
   const SyntheticTruth before = source.truth();
+  const cv::Mat mask = before.mask.clone();
   for (int i = 0; i < 30; ++i) source.read();
   const SyntheticTruth& after = source.truth();
+  EXPECT_TRUE(same(before.mask, mask));  // later frames are not written over it
+  EXPECT_FALSE(same(after.mask, mask));
   const Se3 after_from_before = after.world_from_camera.inverse() * before.world_from_camera;
   EXPECT_GT(after_from_before.translation.norm(), 0.03);
   int compared = 0, equal = 0;
