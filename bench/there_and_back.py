@@ -69,32 +69,44 @@ def slope(values):
             / sum((i - middle) ** 2 for i in range(len(values))))
 
 
-def measure(out, run, program):
-    first, length, rounds = (float(x) for x in (out / "rounds.txt").read_text().split())
+def rounds(out, run, program):
+    """Figures of each round, one after the other."""
+    first, length, count = (float(x) for x in (out / "rounds.txt").read_text().split())
     truth, path = entries(out / "groundtruth.txt"), entries(run / "trajectory.txt")
     with open(run / "timings.csv") as file:
         frames = list(csv.DictReader(file))
-    print("round  frames  localised  frame ms  tracking ms  keyframes made  memory MB"
-          "  median MB  ATE m")
-    medians = []
-    for r in range(int(rounds)):
+    for r in range(int(count)):
         begin, end = first + r * length, first + (r + 1) * length
         mine = [f for f in frames if begin <= float(f["timestamp"]) < end]
         if not mine:
             break
-        ate = error(program, within(truth, begin, end), within(path, begin, end))
         memory = [float(f["memory_mb"]) for f in mine]
-        medians.append(statistics.median(memory))
-        print(f"{r + 1:5}  {len(mine):6}  {sum(int(f['localised']) for f in mine):9}"
-              f"  {statistics.median(float(f['frame_ms']) for f in mine):8.1f}"
-              f"  {statistics.median(float(f['tracking_ms']) for f in mine):11.2f}"
-              f"  {sum(int(f['keyframe']) for f in mine):14}"
-              f"  {max(memory):9.1f}  {medians[-1]:9.1f}  {ate:.4f}")
-    later = medians[len(medians) // 2 - 1:]
-    if len(later) > 2:
-        # Images on their way through the threads make the memory of one frame vary by megabytes.
-        print(f"memory grows by {slope(later):.3f} MB a round over the last {len(later)} rounds "
-              "(line through the medians)")
+        yield {"round": r + 1, "frames": len(mine),
+               "localised": sum(int(f["localised"]) for f in mine),
+               "frame_ms": statistics.median(float(f["frame_ms"]) for f in mine),
+               "tracking_ms": statistics.median(float(f["tracking_ms"]) for f in mine),
+               "keyframes": sum(int(f["keyframe"]) for f in mine),
+               "most_mb": max(memory), "median_mb": statistics.median(memory),
+               "ate": error(program, within(truth, begin, end), within(path, begin, end))}
+
+
+def growth(figures):
+    """MB a round over the second half: the slope of a line through the medians, for images on their
+    way through the threads make the memory of one frame vary by megabytes."""
+    return slope([f["median_mb"] for f in figures[len(figures) // 2 - 1:]])
+
+
+def measure(out, run, program):
+    print("round  frames  localised  frame ms  tracking ms  keyframes made  memory MB"
+          "  median MB  ATE m")
+    figures = []
+    for f in rounds(out, run, program):
+        figures.append(f)
+        print(f"{f['round']:5}  {f['frames']:6}  {f['localised']:9}  {f['frame_ms']:8.1f}"
+              f"  {f['tracking_ms']:11.2f}  {f['keyframes']:14}  {f['most_mb']:9.1f}"
+              f"  {f['median_mb']:9.1f}  {f['ate']:.4f}")
+    if len(figures) > 4:
+        print(f"memory grows by {growth(figures):.3f} MB a round over the second half")
 
 
 def main():
