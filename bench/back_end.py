@@ -108,8 +108,7 @@ def outcome(name, s, said=""):
 
 
 def frames_until_found(summary, gap):
-    """Of a run whose frames jump by more than `gap` seconds once, or are black until then: the
-    number of frames from the first good one until one is localised."""
+    """Of a run whose time stamps jump by more than `gap` seconds once: see `found_from` there."""
     rows = summary["rows"]
     times = [float(r["timestamp"]) for r in rows]
     first = next(i for i in range(1, len(times)) if times[i] - times[i - 1] > gap)
@@ -117,6 +116,7 @@ def frames_until_found(summary, gap):
 
 
 def found_from(rows, first):
+    """Which frame, counted from 1 at row `first`, is the first localised one."""
     return next((i - first + 1 for i in range(first, len(rows)) if rows[i]["localised"] == "1"), "never")
 
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -53,6 +54,14 @@ struct PlaceIndexTest : ::testing::Test {
     map.update_covisibility(id);
     places.add_keyframe(map, id);
     return id;
+  }
+  /// Two keyframes with 50 landmarks each; those of the first become those of the second.
+  std::pair<int, int> add_fused_keyframes() {
+    const int a = add_keyframe({}, random_descriptors(50));
+    const int b = add_keyframe({}, random_descriptors(50));
+    const std::vector<int> of_a = map.landmarks_of({a}), of_b = map.landmarks_of({b});
+    for (std::size_t i = 0; i < 50; ++i) map.fuse_landmarks(of_a[i], of_b[i]);
+    return {a, b};
   }
   const std::vector<Descriptor>& looks_of(int keyframe) const {
     return map.keyframe(keyframe).features.descriptor;
@@ -136,11 +145,8 @@ TEST_F(PlaceIndexTest, MemoryFollowsTheLandmarksThatAreThere) {
 }
 
 TEST_F(PlaceIndexTest, FusionsHaveBeenFollowedAfterARoundOfTidying) {
-  const int a = add_keyframe({}, random_descriptors(50));
-  const int b = add_keyframe({}, random_descriptors(50));
+  const auto [a, b] = add_fused_keyframes();
   const std::vector<Descriptor> looks = looks_of(a);
-  const std::vector<int> of_a = map.landmarks_of({a}), of_b = map.landmarks_of({b});
-  for (std::size_t i = 0; i < 50; ++i) map.fuse_landmarks(of_a[i], of_b[i]);
   EXPECT_EQ(places.followed_fusions(), 0);
   for (int k = 0; k < 3; ++k) places.add_keyframe(map, b);
   ASSERT_EQ(places.followed_fusions(), 50);
@@ -152,11 +158,8 @@ TEST_F(PlaceIndexTest, FusionsHaveBeenFollowedAfterARoundOfTidying) {
 }
 
 TEST_F(PlaceIndexTest, ALandmarkLooksLikeThoseThatBecameIt) {
-  const int a = add_keyframe({}, random_descriptors(50));
-  const int b = add_keyframe({}, random_descriptors(50));
+  const auto [a, b] = add_fused_keyframes();
   const std::vector<Descriptor> looks = looks_of(a);
-  const std::vector<int> of_a = map.landmarks_of({a}), of_b = map.landmarks_of({b});
-  for (std::size_t i = 0; i < 50; ++i) map.fuse_landmarks(of_a[i], of_b[i]);
   for (int before_and_after_tidying = 0; before_and_after_tidying < 2; ++before_and_after_tidying) {
     const auto votes = places.votes(map, looks);
     ASSERT_EQ(votes.size(), 2U);
