@@ -58,10 +58,9 @@ ActorReach::ActorReach(const EmbreeScene& scene, const Camera& camera, const Shu
   }
 }
 
-bool ActorReach::touches(int x, int y, int count) const {
-  return std::any_of(actors_.begin(), actors_.end(), [&](const cv::Rect& r) {
-    return y >= r.y && y < r.y + r.height && x < r.x + r.width && x + count > r.x;
-  });
+bool ActorReach::touches(const cv::Rect& pixels) const {
+  return std::any_of(actors_.begin(), actors_.end(),
+                     [&](const cv::Rect& actor) { return !(actor & pixels).empty(); });
 }
 
 }  // namespace dkp_slam

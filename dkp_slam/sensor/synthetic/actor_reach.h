@@ -15,8 +15,7 @@ namespace dkp_slam {
 class ActorReach {
  public:
   ActorReach(const EmbreeScene& scene, const Camera& camera, const Shutter& shutter);
-  /// Of pixels x to x + `count` - 1 of row y.
-  bool touches(int x, int y, int count) const;
+  bool touches(const cv::Rect& pixels) const;
 
  private:
   std::vector<cv::Rect> actors_;

@@ -14,10 +14,12 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-constexpr int few_taps = 2;               // across a slanted view: several samples share the work
-constexpr int shadow_step = 8;            // pixels between points where actors' shadows are traced
+constexpr int edge_taps = 2;              // across a slanted view: several samples share the work
+constexpr int shadow_step = 12;           // pixels between points where actors' shadows are traced
 constexpr float same_plane = 0.04F;       // metres: points of one surface share their shadow
 constexpr float sample_footprint = 0.6F;  // of a pixel: several samples share it
+constexpr int tile_side = 4;              // pixels: of a packet of rays through their centres
+static_assert(tile_side * tile_side == packet_size && shadow_step % tile_side == 0);
 constexpr int most_samples = EdgeMarks::most_samples;
 
 /// A number in 0..1 that looks random, the same for the same pixel.
@@ -27,6 +29,10 @@ float pixel_share(int x, int y) {
   h = (h ^ (h >> 15U)) * 0x2C1B3C6DU;
   h = (h ^ (h >> 12U)) * 0x297A2D39U;
   return static_cast<float>((h ^ (h >> 15U)) >> 8U) * 0x1p-24F;
+}
+
+bool same_triangle(const SurfaceHit& a, const SurfaceHit& b) {
+  return a.surface == b.surface && a.triangle == b.triangle;
 }
 
 /// Places of samples in their pixel, -1/2..1/2 and 0 on average.
@@ -93,9 +99,10 @@ Rendering FramePainter::paint() {
     buffers_.shadow_points.resize(buffers_.shadows.total());
     over_rows(buffers_.shadows.rows, [&](int y) { trace_shadows(y); });
   }
-  over_rows(camera_.height, [&](int y) { paint_centres(y, &out); });
+  const int tile_rows = (camera_.height - 1) / tile_side + 1;
+  over_rows(tile_rows, [&](int y) { paint_centres(y, &out); });
   over_rows(camera_.height, [&](int y) { edges_.mark_row(y, buffers_.seen, out.radiance); });
-  over_rows(camera_.height, [&](int y) { paint_edges(y, out.radiance.ptr<cv::Vec3f>(y)); });
+  over_rows(tile_rows, [&](int y) { paint_edges(y, &out); });
   return out;
 }
 
@@ -104,9 +111,9 @@ Ray FramePainter::centre_ray(int x, int y) const {
   return {row.middle.origin, row.middle.rotation * pixels_.at(x, y)};
 }
 
-EmbreeScene::Among FramePainter::among(int x, int y, int count) const {
-  if (!actors_.touches(x, y, count)) return {};
-  return {.moment = scene_.embree.moment_at(shutter_.moment(shutter_.row(y).time))};
+EmbreeScene::Among FramePainter::among(const cv::Rect& pixels) const {
+  if (!actors_.touches(pixels)) return {};
+  return {.moment = scene_.embree.moment_at(shutter_.moment(shutter_.row(pixels.y).time))};
 }
 
 void FramePainter::trace_shadows(int grid_y) {
@@ -121,7 +128,8 @@ void FramePainter::trace_shadows(int grid_y) {
       rays[static_cast<std::size_t>(i)] = centre_ray(pixel(first + i), y);
     }
     const int left = pixel(first), right = pixel(first + count - 1);
-    const SurfaceHits hits = scene_.embree.trace(rays, count, among(left, y, right - left + 1));
+    const SurfaceHits hits =
+        scene_.embree.trace(rays, count, among({left, y, right - left + 1, 1}));
     for (int i = 0; i < count; ++i) {
       const SurfaceHit& hit = hits[static_cast<std::size_t>(i)];
       const int grid_x = first + i;
@@ -131,7 +139,7 @@ void FramePainter::trace_shadows(int grid_y) {
       lost = -1.0F;
       point.surface = hit.surface;
       if (hit.surface < 0 || scene_.embree.surface(hit.surface).instance != 0) continue;
-      const HitPlane plane = planes.at(hit, rays[static_cast<std::size_t>(i)]);
+      const HitPlane& plane = planes.at(hit, rays[static_cast<std::size_t>(i)]);
       point.point = plane.point;
       const Mesh& mesh = *scene_.embree.surface(hit.surface).mesh;
       const int vertex = mesh.triangles[static_cast<std::size_t>(hit.triangle)][0];
@@ -143,13 +151,18 @@ void FramePainter::trace_shadows(int grid_y) {
   }
 }
 
-/// Between the four points around, as far as they lie on the pixel's own surface.
-float FramePainter::shadow_at(int x, int y, const SeenPoint& here) const {
-  if (buffers_.shadows.empty()) return 0.0F;
+/// Whether any of the four points around the pixel loses light. The same all over a tile.
+bool FramePainter::in_shadow(int x, int y) const {
+  if (buffers_.shadows.empty()) return false;
   const int grid_x = x / shadow_step, grid_y = y / shadow_step;
   const auto* above = buffers_.shadows.ptr<float>(grid_y) + grid_x;
   const auto* below = buffers_.shadows.ptr<float>(grid_y + 1) + grid_x;
-  if (std::max({above[0], above[1], below[0], below[1]}) <= 0.0F) return 0.0F;
+  return std::max({above[0], above[1], below[0], below[1]}) > 0.0F;
+}
+
+/// Between the four points around, as far as they lie on the pixel's own surface.
+float FramePainter::shadow_at(int x, int y, const SeenPoint& here) const {
+  const int grid_x = x / shadow_step, grid_y = y / shadow_step;
   const float a = static_cast<float>(x % shadow_step) / shadow_step;
   const float b = static_cast<float>(y % shadow_step) / shadow_step;
   float sum = 0.0F, weights = 0.0F, any = 0.0F, any_weights = 0.0F;
@@ -172,33 +185,40 @@ float FramePainter::shadow_at(int x, int y, const SeenPoint& here) const {
   return any_weights > 0.0F ? any / any_weights : 0.0F;
 }
 
-void FramePainter::paint_centres(int y, Rendering* out) {
+/// In squares of pixels: their rays stay closer together than those along a row.
+void FramePainter::paint_centres(int tile_y, Rendering* out) {
   HitPlanes planes(scene_.embree);
   Rays rays;
-  for (int x0 = 0; x0 < camera_.width; x0 += packet_size) {
-    const int count = std::min(packet_size, camera_.width - x0);
-    for (int i = 0; i < count; ++i) rays[static_cast<std::size_t>(i)] = centre_ray(x0 + i, y);
-    const SurfaceHits hits = scene_.embree.trace(rays, count, among(x0, y, count));
-    const auto lane_view = [&](int i) {
+  for (int x0 = 0; x0 < camera_.width; x0 += tile_side) {
+    const cv::Rect tile(x0, tile_y * tile_side, tile_side, tile_side);
+    const auto pixel = [&](int i) { return tile.tl() + cv::Point(i % tile_side, i / tile_side); };
+    const auto outside = [&](cv::Point p) { return p.x >= camera_.width || p.y >= camera_.height; };
+    for (int i = 0; i < packet_size; ++i) {
+      const cv::Point p = outside(pixel(i)) ? tile.tl() : pixel(i);
+      rays[static_cast<std::size_t>(i)] = centre_ray(p.x, p.y);
+    }
+    const SurfaceHits hits = scene_.embree.trace(rays, packet_size, among(tile));
+    std::array<CentreView, packet_size> views;
+    for (int i = 0; i < packet_size; ++i) {
+      const cv::Point p = pixel(i);
+      if (outside(p)) continue;
       const auto lane = static_cast<std::size_t>(i);
-      return view(x0 + i, y, hits[lane], planes.at(hits[lane], rays[lane]), rays[lane]);
-    };
-    // Along a few pixels of one triangle the view of it hardly changes.
-    const bool one_plane =
-        hits[0].surface >= 0 &&
-        std::all_of(hits.begin(), hits.begin() + count, [&](const SurfaceHit& hit) {
-          return hit.surface == hits[0].surface && hit.triangle == hits[0].triangle;
-        });
-    CentreView shared;
-    if (one_plane) shared = lane_view(count / 2);
-    for (int i = 0; i < count; ++i) {
-      const auto lane = static_cast<std::size_t>(i);
-      if (hits[lane].surface < 0) {
-        paint_nothing(x0 + i, y, out);
+      const SurfaceHit& hit = hits[lane];
+      if (hit.surface < 0) {
+        paint_nothing(p.x, p.y, out);
         continue;
       }
-      paint_centre(x0 + i, y, hits[lane], planes.at(hits[lane], rays[lane]),
-                   one_plane ? shared : lane_view(i), out);
+      const HitPlane& plane = planes.at(hit, rays[lane]);
+      // Over a few pixels of one triangle the view of it hardly changes.
+      std::size_t like = lane;
+      while (like > 0 && !same_triangle(hits[--like], hit)) {
+      }
+      if (lane > 0 && same_triangle(hits[like], hit)) {
+        views[lane] = views[like];
+      } else {
+        views[lane] = view(p.x, p.y, hit, plane, rays[lane]);
+      }
+      paint_centre(p.x, p.y, hit, plane, views[lane], out);
     }
   }
 }
@@ -215,7 +235,7 @@ void FramePainter::paint_centre(int x, int y, const SurfaceHit& hit, const HitPl
                                 const CentreView& view, Rendering* out) {
   seen(x, y) = {hit.surface, hit.triangle, plane.point, plane.normal, view.motion};
   const PixelLight light = {row_brightness_[static_cast<std::size_t>(y)],
-                            shadow_at(x, y, seen(x, y))};
+                            view.in_shadow ? shadow_at(x, y, seen(x, y)) : 0.0F};
   out->radiance.at<cv::Vec3f>(y, x) = scene_.shading.colour(hit, plane.uv, view.filter, light);
   out->instance.at<std::uint8_t>(y, x) =
       static_cast<std::uint8_t>(scene_.embree.surface(hit.surface).instance);
@@ -231,6 +251,7 @@ FramePainter::CentreView FramePainter::view(int x, int y, const SurfaceHit& hit,
   const Footprint print =
       footprint(plane, hit.distance, ray.direction, row.middle.turn(pixels_.right(x, y)),
                 row.middle.turn(pixels_.down(x, y)), view.motion);
+  view.in_shadow = in_shadow(x, y);
   view.filter = scene_.shading.filter(hit.surface, print, view.motion);
   return view;
 }
@@ -253,68 +274,79 @@ Ray FramePainter::edge_ray(int x, int y, const Vector2f& offset, float share) co
       (1.0F - share) * (row.begin.rotation * direction) + share * (row.end.rotation * direction)};
 }
 
-/// The centre's ray counts as one of a pixel's samples. The others share out the exposure, each
-/// somewhere in its part, and are spread over the pixel; those of several pixels fill a packet.
-void FramePainter::paint_edges(int y, cv::Vec3f* radiance) {
-  static const SampleOffsets offsets;
-  const auto* samples_of = edges_.row(y);
-  const RowExposure& row = shutter_.row(y);
+/// Tile by tile, so that rays which fill a packet together lie close to each other.
+void FramePainter::paint_edges(int tile_y, Rendering* out) {
   HitPlanes planes(scene_.embree);
   // Of rays that no actor can meet, and of those at each moment.
   std::vector<EdgePacket> packets(static_cast<std::size_t>(scene_.embree.moments()) + 1);
   for (int i = 0; i <= scene_.embree.moments(); ++i) {
     packets[static_cast<std::size_t>(i)].among.moment = i - 1;
   }
-  for (int x = 0; x < camera_.width; ++x) {
-    if (samples_of[x] <= 1) continue;
-    const float weight = 1.0F / static_cast<float>(samples_of[x]);
-    const PixelLight light = {row_brightness_[static_cast<std::size_t>(y)],
-                              shadow_at(x, y, seen(x, y))};
-    const bool actors = actors_.touches(x, y, 1);
-    const float jitter = shutter_.exposure() > 0.0 ? pixel_share(x, y) : 0.5F;
-    const cv::Vec3f centre = weight * radiance[x];
-    radiance[x] = centre;
-    const int others = samples_of[x] - 1;
-    for (int k = 0; k < others; ++k) {
-      const float share = (static_cast<float>(k) + jitter) / static_cast<float>(others);
-      const double time = row.time + (share - 0.5) * shutter_.exposure();
-      const int moment = actors ? scene_.embree.moment_at(shutter_.moment(time)) : -1;
-      EdgePacket& packet = packets[static_cast<std::size_t>(moment + 1)];
-      const auto lane = static_cast<std::size_t>(packet.count++);
-      packet.rays[lane] = edge_ray(x, y, offsets.at(k, others), share);
-      packet.samples[lane] = {x, weight, light, centre};
-      if (packet.count == packet_size) shade_packet(y, &planes, &packet, radiance);
+  const int y0 = tile_y * tile_side, end = std::min(y0 + tile_side, camera_.height);
+  for (int x0 = 0; x0 < camera_.width; x0 += tile_side) {
+    for (int y = y0; y < end; ++y) {
+      for (int x = x0; x < std::min(x0 + tile_side, camera_.width); ++x) {
+        if (edges_.row(y)[x] > 1) paint_edge({x, y}, &packets, &planes, out);
+      }
     }
   }
-  for (EdgePacket& packet : packets) shade_packet(y, &planes, &packet, radiance);
+  for (EdgePacket& packet : packets) shade_packet(&packet, &planes, out);
+}
+
+/// The centre's ray counts as one of a pixel's samples. The others share out the exposure, each
+/// somewhere in its part, and are spread over the pixel; those of several pixels fill a packet.
+void FramePainter::paint_edge(const cv::Point& pixel, std::vector<EdgePacket>* packets,
+                              HitPlanes* planes, Rendering* out) {
+  static const SampleOffsets offsets;
+  const int x = pixel.x, y = pixel.y;
+  const RowExposure& row = shutter_.row(y);
+  const int samples = edges_.row(y)[x], others = samples - 1;
+  const float weight = 1.0F / static_cast<float>(samples);
+  const PixelLight light = {row_brightness_[static_cast<std::size_t>(y)],
+                            in_shadow(x, y) ? shadow_at(x, y, seen(x, y)) : 0.0F};
+  const bool actors = actors_.touches({x, y, 1, 1});
+  const float jitter = shutter_.exposure() > 0.0 ? pixel_share(x, y) : 0.5F;
+  cv::Vec3f& radiance = out->radiance.at<cv::Vec3f>(pixel);
+  radiance *= weight;
+  const cv::Vec3f centre = radiance;
+  for (int k = 0; k < others; ++k) {
+    const float share = (static_cast<float>(k) + jitter) / static_cast<float>(others);
+    const double time = row.time + (share - 0.5) * shutter_.exposure();
+    const int moment = actors ? scene_.embree.moment_at(shutter_.moment(time)) : -1;
+    EdgePacket& packet = (*packets)[static_cast<std::size_t>(moment + 1)];
+    const auto lane = static_cast<std::size_t>(packet.count++);
+    packet.rays[lane] = edge_ray(x, y, offsets.at(k, others), share);
+    packet.samples[lane] = {pixel, weight, light, centre};
+    if (packet.count == packet_size) shade_packet(&packet, planes, out);
+  }
 }
 
 /// Adds the packet's light to its pixels and empties it.
-void FramePainter::shade_packet(int y, HitPlanes* planes, EdgePacket* packet, cv::Vec3f* radiance) {
+void FramePainter::shade_packet(EdgePacket* packet, HitPlanes* planes, Rendering* out) {
   if (packet->count == 0) return;
   const SurfaceHits hits = scene_.embree.trace(packet->rays, packet->count, packet->among);
-  const CameraPlace& place = shutter_.row(y).middle;
   for (int i = 0; i < packet->count; ++i) {
     const auto lane = static_cast<std::size_t>(i);
     const SurfaceHit& hit = hits[lane];
     if (hit.surface < 0) continue;
     const Ray& ray = packet->rays[lane];
     const EdgeSample& sample = packet->samples[lane];
-    const HitPlane plane = planes->at(hit, ray);
-    const SeenPoint& centre = seen(sample.x, y);
+    const int x = sample.pixel.x, y = sample.pixel.y;
+    cv::Vec3f& radiance = out->radiance.at<cv::Vec3f>(y, x);
+    const HitPlane& plane = planes->at(hit, ray);
+    const SeenPoint& centre = seen(x, y);
     // The centre's colour is that of all of its surface in the pixel (as in multisampling).
     if (hit.surface == centre.surface &&
         !is_edge(centre, {hit.surface, hit.triangle, plane.point, plane.normal, {}})) {
-      radiance[sample.x] += sample.centre;
+      radiance += sample.centre;
       continue;
     }
-    const Footprint print =
-        footprint(plane, hit.distance, ray.direction,
-                  sample_footprint * place.turn(pixels_.right(sample.x, y)),
-                  sample_footprint * place.turn(pixels_.down(sample.x, y)), Vector2f::Zero());
-    const Shading::Filter filter = scene_.shading.filter(hit.surface, print, few_taps);
-    radiance[sample.x] +=
-        sample.weight * scene_.shading.colour(hit, plane.uv, filter, sample.light);
+    const CameraPlace& place = shutter_.row(y).middle;
+    const Footprint print = footprint(
+        plane, hit.distance, ray.direction, sample_footprint * place.turn(pixels_.right(x, y)),
+        sample_footprint * place.turn(pixels_.down(x, y)), Vector2f::Zero());
+    const Shading::Filter filter = scene_.shading.filter(hit.surface, print, edge_taps);
+    radiance += sample.weight * scene_.shading.colour(hit, plane.uv, filter, sample.light);
   }
   packet->count = 0;
 }

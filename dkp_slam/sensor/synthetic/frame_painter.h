@@ -33,7 +33,7 @@ class FramePainter {
   struct Buffers {
     std::vector<SeenPoint> seen;  ///< of each pixel, row by row
     cv::Mat samples;              ///< of `EdgeMarks`
-    /// At every eighth pixel: what is seen there, and its light lost to actors; below 0: unknown.
+    /// At every twelfth pixel: what is seen there, and its light lost to actors; below 0: unknown.
     std::vector<SeenPoint> shadow_points;
     cv::Mat shadows;  ///< CV_32FC1
   };
@@ -49,16 +49,17 @@ class FramePainter {
   /// How a pixel sees what its centre's ray met.
   struct CentreView {
     Eigen::Vector2f motion = Eigen::Vector2f::Zero();  ///< as in `SeenPoint`
+    bool in_shadow = false;
     Shading::Filter filter;
   };
   /// One of the rays of a pixel on an edge.
   struct EdgeSample {
-    int x;
+    cv::Point pixel;
     float weight;
     PixelLight light;
     cv::Vec3f centre;  ///< what the centre's ray brought to the pixel, weighted
   };
-  /// Rays that may meet the same things, of one row.
+  /// Rays that may meet the same things, of one row of tiles.
   struct EdgePacket {
     EmbreeScene::Among among;
     int count = 0;
@@ -73,20 +74,23 @@ class FramePainter {
                          static_cast<std::size_t>(x)];
   }
   Ray centre_ray(int x, int y) const;
-  /// The rays through the centres of pixels x to x + `count` - 1 meet this.
-  EmbreeScene::Among among(int x, int y, int count) const;
+  /// The rays through the centres of these pixels meet this.
+  EmbreeScene::Among among(const cv::Rect& pixels) const;
   void trace_shadows(int grid_y);
+  bool in_shadow(int x, int y) const;
   float shadow_at(int x, int y, const SeenPoint& here) const;
-  void paint_centres(int y, Rendering* out);
+  void paint_centres(int tile_y, Rendering* out);
   CentreView view(int x, int y, const SurfaceHit& hit, const HitPlane& plane, const Ray& ray) const;
   void paint_nothing(int x, int y, Rendering* out);
   void paint_centre(int x, int y, const SurfaceHit& hit, const HitPlane& plane,
                     const CentreView& view, Rendering* out);
   Eigen::Vector2f image_motion(const HitPlane& plane, const RowExposure& row) const;
-  void paint_edges(int y, cv::Vec3f* radiance);
+  void paint_edges(int tile_y, Rendering* out);
+  void paint_edge(const cv::Point& pixel, std::vector<EdgePacket>* packets, HitPlanes* planes,
+                  Rendering* out);
   /// `share` of the row's exposure has passed.
   Ray edge_ray(int x, int y, const Eigen::Vector2f& offset, float share) const;
-  void shade_packet(int y, HitPlanes* planes, EdgePacket* packet, cv::Vec3f* radiance);
+  void shade_packet(EdgePacket* packet, HitPlanes* planes, Rendering* out);
 
   const LitScene scene_;
   const Camera& camera_;

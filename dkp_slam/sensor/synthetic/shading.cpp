@@ -36,17 +36,16 @@ void HitPlanes::look_up(int surface_index, int triangle) {
   const Vector3f along_a = b.cross(cross) * inverse, along_b = cross.cross(a) * inverse;
   along_first_ = corner(mesh.uv, 1) - corner(mesh.uv, 0);
   along_second_ = corner(mesh.uv, 2) - corner(mesh.uv, 0);
-  plane_.uv = corner(mesh.uv, 0);
+  corner_uv_ = corner(mesh.uv, 0);
   plane_.normal = cross * std::sqrt(inverse);
   plane_.gradient_u = along_first_.x() * along_a + along_second_.x() * along_b;
   plane_.gradient_v = along_first_.y() * along_a + along_second_.y() * along_b;
 }
 
-HitPlane HitPlanes::at(const SurfaceHit& hit, const Ray& ray) {
+const HitPlane& HitPlanes::at(const SurfaceHit& hit, const Ray& ray) {
   if (hit.surface != surface_ || hit.triangle != triangle_) look_up(hit.surface, hit.triangle);
-  HitPlane plane = plane_;
-  plane.point = ray.origin + hit.distance * ray.direction;
-  plane.uv += hit.u * along_first_ + hit.v * along_second_;
+  plane_.point = ray.origin + hit.distance * ray.direction;
+  plane_.uv = corner_uv_ + hit.u * along_first_ + hit.v * along_second_;
   const Surface& surface = scene_.surface(hit.surface);
   if (surface.instance != 0) {
     const Eigen::Vector3i& t = surface.mesh->triangles[static_cast<std::size_t>(hit.triangle)];
@@ -54,9 +53,11 @@ HitPlane HitPlanes::at(const SurfaceHit& hit, const Ray& ray) {
       const auto corner = [&](int i) -> const auto& { return of[static_cast<std::size_t>(t[i])]; };
       return Vector3f((1.0F - hit.u - hit.v) * corner(0) + hit.u * corner(1) + hit.v * corner(2));
     };
-    plane.travel = at(surface.last) - at(surface.first);
+    plane_.travel = at(surface.last) - at(surface.first);
+  } else {
+    plane_.travel.setZero();
   }
-  return plane;
+  return plane_;
 }
 
 Footprint footprint(const HitPlane& plane, float distance, const Vector3f& direction,

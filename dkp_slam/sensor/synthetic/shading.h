@@ -24,14 +24,16 @@ struct HitPlane {
 class HitPlanes {
  public:
   explicit HitPlanes(const EmbreeScene& scene) : scene_(scene) {}
-  HitPlane at(const SurfaceHit& hit, const Ray& ray);
+  /// Good until the next call.
+  const HitPlane& at(const SurfaceHit& hit, const Ray& ray);
 
  private:
   void look_up(int surface, int triangle);
 
   const EmbreeScene& scene_;
   int surface_ = -1, triangle_ = -1;
-  HitPlane plane_;                              ///< with the uv of the first corner
+  HitPlane plane_;
+  Eigen::Vector2f corner_uv_;                   ///< of the first corner
   Eigen::Vector2f along_first_, along_second_;  ///< changes of uv to the other two
 };
 

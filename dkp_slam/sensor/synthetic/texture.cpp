@@ -136,14 +136,16 @@ Texture::Filter Texture::filter(const Eigen::Vector2f& du, const Eigen::Vector2f
   // Compared before the conversion: at grazing angles the ratio is beyond what an int holds.
   const auto most = static_cast<float>(most_taps);
   const float ratio = std::sqrt(std::min(longer2 / std::max(shorter2, 1.0F), most * most));
-  filter.taps = std::max(-floor_to_int(-ratio), 1);
+  // Taps may lie a little farther apart than the footprint is wide.
+  constexpr float slack = 0.25F;
+  filter.taps = std::max(-floor_to_int(slack - ratio), 1);
   const float each = 1.0F / static_cast<float>(filter.taps);
   const auto last_level = static_cast<float>(levels_.size() - 1);
   const float lod =
       std::clamp(0.5F * rough_log2(std::max(longer2 * each * each, 1.0F)), 0.0F, last_level);
   filter.level = static_cast<std::size_t>(lod);
-  // Half of the way between two levels one of them alone will do; all of it where few taps will.
-  const float alone = most_taps > 2 ? 0.25F : 0.49F;
+  // Most of the way between two levels one of them alone will do; all of it where few taps will.
+  const float alone = most_taps > 2 ? 0.35F : 0.49F;
   filter.coarser = std::clamp(
       (lod - static_cast<float>(filter.level) - alone) / (1.0F - 2.0F * alone), 0.0F, 1.0F);
   if (filter.coarser >= 1.0F) {
