@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include <opencv2/core/utility.hpp>
 
@@ -210,14 +211,11 @@ void FramePainter::paint_centres(int tile_y, Rendering* out) {
       }
       const HitPlane& plane = planes.at(hit, rays[lane]);
       // Over a few pixels of one triangle the view of it hardly changes.
-      std::size_t like = lane;
-      while (like > 0 && !same_triangle(hits[--like], hit)) {
-      }
-      if (lane > 0 && same_triangle(hits[like], hit)) {
-        views[lane] = views[like];
-      } else {
-        views[lane] = view(p.x, p.y, hit, plane, rays[lane]);
-      }
+      const auto like =
+          std::find_if(std::make_reverse_iterator(hits.begin() + i), hits.rend(),
+                       [&](const SurfaceHit& other) { return same_triangle(other, hit); });
+      views[lane] = like == hits.rend() ? view(p.x, p.y, hit, plane, rays[lane])
+                                        : views[static_cast<std::size_t>(hits.rend() - like) - 1];
       paint_centre(p.x, p.y, hit, plane, views[lane], out);
     }
   }
