@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -163,27 +164,39 @@ void paint_surfaces(const Scene& scene, const std::vector<Candidate>& candidates
   });
 }
 
+/// The crumbs' pixels of the area that the mask does not hold.
+std::vector<cv::Point> crumb_pixels(const SegmentMap& surfaces, const ObjectMask& mask,
+                                    int crumb_area) {
+  std::vector<cv::Point> found;
+  for_each_pixel(mask.area, [&](int x, int y) {
+    const int label = surfaces.labels.at<int>(y, x);
+    if (label == 0) return;
+    if (surfaces.segments[static_cast<std::size_t>(label - 1)].area >= crumb_area) return;
+    if (mask.mask.at<std::uint8_t>(y - mask.area.y, x - mask.area.x) == 0) found.emplace_back(x, y);
+  });
+  return found;
+}
+
 /// Lets the mask grow over crumbs, pixel by pixel.
 void add_crumbs(const Scene& scene, const ClusteringOptions& options, ObjectMask& out) {
-  const SegmentMap& surfaces = scene.surfaces;
   const auto step = static_cast<float>(options.crumb_step);
-  const cv::Rect inside(0, 0, out.area.width, out.area.height);
+  const cv::Mat& depth = scene.view.depth;
+  const auto touches = [&](const cv::Point& p) {
+    const float z = depth.at<float>(p);
+    for (const cv::Point& d : {cv::Point(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+      const cv::Point q = p + d;
+      if (!out.area.contains(q) || out.mask.at<std::uint8_t>(q - out.area.tl()) == 0) continue;
+      if (std::abs(depth.at<float>(q) - z) <= step) return true;
+    }
+    return false;
+  };
+  std::vector<cv::Point> left = crumb_pixels(scene.surfaces, out, options.crumb_area);
   for (int round = 0; round < options.crumb_reach; ++round) {
-    std::vector<cv::Point> added;
-    for_each_pixel(out.area, [&](int x, int y) {
-      const cv::Point p = cv::Point(x, y) - out.area.tl();
-      const int label = surfaces.labels.at<int>(y, x);
-      if (out.mask.at<std::uint8_t>(p) != 0 || label == 0) return;
-      if (surfaces.segments[static_cast<std::size_t>(label - 1)].area >= options.crumb_area) return;
-      const float z = scene.view.depth.at<float>(y, x);
-      for (const cv::Point& d : {cv::Point(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
-        if (!inside.contains(p + d) || out.mask.at<std::uint8_t>(p + d) == 0) continue;
-        if (std::abs(scene.view.depth.at<float>(cv::Point(x, y) + d) - z) > step) continue;
-        added.push_back(p);
-        return;
-      }
-    });
-    for (const cv::Point& p : added) out.mask.at<std::uint8_t>(p) = 255;
+    const auto added = std::partition(left.begin(), left.end(), std::not_fn(touches));
+    for (auto p = added; p != left.end(); ++p) {
+      out.mask.at<std::uint8_t>(*p - out.area.tl()) = 255;
+    }
+    left.erase(added, left.end());
   }
 }
 

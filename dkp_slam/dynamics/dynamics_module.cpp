@@ -78,12 +78,11 @@ struct DynamicsModule::State {
   void measure_epipolar(const FeatureMotion& found, std::vector<FeatureDynamics>& features) const;
 };
 
-/// Fills tracked and D of Eq. 5.
+/// Fills D of Eq. 5.
 void DynamicsModule::State::measure_epipolar(const FeatureMotion& found,
                                              std::vector<FeatureDynamics>& features) const {
   PointMatches matches;
   for (std::size_t i = 0; i < features.size(); ++i) {
-    features[i].tracked = found.tracks.tracked[i] != 0;
     if (!features[i].tracked) continue;
     matches.current.push_back(found.now[i]);
     matches.previous.push_back(found.then[i]);
@@ -372,12 +371,16 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   if (!result.objects.empty()) result.mask = labels > 0;
   result.clustering_ms = watch.lap_ms();
 
-  assign_regions(points, regions, labels, s.options.regions, result.features);
-  s.measure_epipolar(found, result.features);
+  assign_regions(points, regions, labels, result.features);
   const std::vector<FeatureEvidence> evidence =
       s.collect_evidence(points, regions, labels, result.mask, found.long_residual);
   for (std::size_t i = 0; i < points.size(); ++i) {
+    result.features[i].tracked = found.tracks.tracked[i] != 0;
     result.features[i].motion_residual = found.residual[i];
+  }
+  if (s.options.mode == DynamicsMode::dkp) {
+    assign_weights(points, regions, labels, s.options.regions, result.features);
+    s.measure_epipolar(found, result.features);
   }
   classify(s.options.mode, s.options.removal, evidence, result.features);
   result.removal_ms += watch.lap_ms();

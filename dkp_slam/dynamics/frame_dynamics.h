@@ -32,8 +32,9 @@ struct FeatureDynamics {
   Region region = Region::low;
   bool is_static = true;
   bool tracked = false;  ///< optical flow found it in the previous frame, forward and backward
-  float weight = 1.0F;   ///< W, Eq. 6
-  /// D of Eq. 5, pixels; NaN where the feature was not tracked or there was no fundamental matrix.
+  float weight = 1.0F;   ///< W, Eq. 6; told in mode dkp alone
+  /// D of Eq. 5, pixels; NaN where the feature was not tracked or there was no fundamental matrix,
+  /// and in all modes but dkp.
   float epipolar_distance = std::numeric_limits<float>::quiet_NaN();
   /// Distance, pixels, from where a static point would have moved; NaN where it cannot be told.
   float motion_residual = std::numeric_limits<float>::quiet_NaN();

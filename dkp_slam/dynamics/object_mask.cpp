@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <opencv2/imgproc.hpp>
+
 namespace dkp_slam {
 
 void measure_mask(const DepthView& view, const cv::Rect& box, ObjectMask& mask) {
@@ -30,15 +32,11 @@ cv::Rect view_rect(const cv::Rect2f& box, const cv::Size& view_size) {
 
 void paint_object(const ObjectMask& object, std::uint8_t label, cv::Mat& labels) {
   constexpr int step = DepthView::step;
-  for (int y = 0; y < object.area.height; ++y) {
-    for (int x = 0; x < object.area.width; ++x) {
-      if (object.mask.at<std::uint8_t>(y, x) == 0) continue;
-      const cv::Rect pixels =
-          cv::Rect((x + object.area.x) * step, (y + object.area.y) * step, step, step) &
-          cv::Rect(0, 0, labels.cols, labels.rows);
-      labels(pixels) = label;
-    }
-  }
+  const cv::Rect whole(object.area.tl() * step, object.area.size() * step);
+  const cv::Rect pixels = whole & cv::Rect(0, 0, labels.cols, labels.rows);
+  cv::Mat mask;
+  cv::resize(object.mask, mask, whole.size(), 0, 0, cv::INTER_NEAREST);
+  labels(pixels).setTo(label, mask(pixels - whole.tl()));
 }
 
 ObjectMask mask_from_silhouette(const DepthView& view, const cv::Mat& silhouette,

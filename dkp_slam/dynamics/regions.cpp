@@ -32,11 +32,20 @@ float suspicious_weight(float distance, float max_distance, float suspicious_sha
 
 void assign_regions(const std::vector<cv::Point2f>& keypoints,
                     const std::vector<ObjectRegions>& objects, const cv::Mat& labels,
-                    const RegionOptions& options, std::vector<FeatureDynamics>& features) {
-  for (FeatureDynamics& f : features) {
-    f.region = Region::low;
-    f.weight = options.weight_low;
+                    std::vector<FeatureDynamics>& features) {
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    const bool in_mask = label_at(labels, keypoints[i]) > 0;
+    const bool in_box = std::any_of(objects.begin(), objects.end(), [&](const ObjectRegions& o) {
+      return o.box.contains(keypoints[i]);
+    });
+    features[i].region = in_mask ? Region::high : in_box ? Region::suspicious : Region::low;
   }
+}
+
+void assign_weights(const std::vector<cv::Point2f>& keypoints,
+                    const std::vector<ObjectRegions>& objects, const cv::Mat& labels,
+                    const RegionOptions& options, std::vector<FeatureDynamics>& features) {
+  for (FeatureDynamics& f : features) f.weight = options.weight_low;
   for (std::size_t o = 0; o < objects.size(); ++o) {
     const cv::Rect box = cv::Rect(objects[o].box) & cv::Rect(0, 0, labels.cols, labels.rows);
     if (box.area() == 0) continue;
@@ -59,7 +68,6 @@ void assign_regions(const std::vector<cv::Point2f>& keypoints,
     for (std::size_t i = 0; i < keypoints.size(); ++i) {
       const int label = label_at(labels, keypoints[i]);
       if (label == own) {
-        features[i].region = Region::high;
         features[i].weight = std::max(features[i].weight, high);
       } else if (label == 0 && objects[o].box.contains(keypoints[i])) {
         in_box.push_back(i);
@@ -67,7 +75,6 @@ void assign_regions(const std::vector<cv::Point2f>& keypoints,
       }
     }
     for (std::size_t i : in_box) {
-      features[i].region = Region::suspicious;
       features[i].weight = std::max(
           features[i].weight, suspicious_weight(distance_of(i), farthest, share, high, options));
     }

@@ -32,9 +32,14 @@ struct ObjectRegions {
   float weight = 10.0F;  ///< W of its class
 };
 
-/// Region and weight of every keypoint (raw pixels). `labels` is CV_8UC1, image size: 0 outside the
-/// masks, i + 1 in the mask of objects[i]. Where boxes overlap the larger weight counts.
+/// Region of every keypoint (raw pixels). `labels` is CV_8UC1, image size: 0 outside the masks,
+/// i + 1 in the mask of objects[i].
 void assign_regions(const std::vector<cv::Point2f>& keypoints,
+                    const std::vector<ObjectRegions>& objects, const cv::Mat& labels,
+                    std::vector<FeatureDynamics>& features);
+
+/// W of every keypoint, for the same input. Where boxes overlap the larger weight counts.
+void assign_weights(const std::vector<cv::Point2f>& keypoints,
                     const std::vector<ObjectRegions>& objects, const cv::Mat& labels,
                     const RegionOptions& options, std::vector<FeatureDynamics>& features);
 

@@ -79,7 +79,8 @@ TEST(RegionsOnTruth, WeightsFollowEquation6AroundAnExactMask) {
   const cv::Mat labels = (truth.instance == person.instance) / 255;
   std::vector<FeatureDynamics> features(points.size());
   const RegionOptions options;
-  assign_regions(points, {{box, 10.0F}}, labels, options, features);
+  assign_regions(points, {{box, 10.0F}}, labels, features);
+  assign_weights(points, {{box, 10.0F}}, labels, options, features);
 
   std::vector<cv::Point> mask;
   cv::findNonZero(labels, mask);

@@ -39,9 +39,11 @@ TEST(Regions, EquationSixAsMeantAndAsPrinted) {
 TEST(Regions, FollowBoxAndMask) {
   cv::Mat labels = cv::Mat::zeros(480, 640, CV_8UC1);
   labels(cv::Rect(120, 120, 60, 60)) = 1;
-  std::vector<FeatureDynamics> features(4);
-  assign_regions({{150, 150}, {181, 150}, {240, 240}, {400, 400}}, {{{100, 100, 150, 150}, 10.0F}},
-                 labels, {}, features);
+  const std::vector<cv::Point2f> points = {{150, 150}, {181, 150}, {240, 240}, {400, 400}};
+  const std::vector<ObjectRegions> objects = {{{100, 100, 150, 150}, 10.0F}};
+  std::vector<FeatureDynamics> features(points.size());
+  assign_regions(points, objects, labels, features);
+  assign_weights(points, objects, labels, {}, features);
   EXPECT_EQ(features[0].region, Region::high);
   EXPECT_EQ(features[1].region, Region::suspicious);
   EXPECT_EQ(features[2].region, Region::suspicious);
