@@ -55,12 +55,12 @@ Vector6d FeatureMotionEstimator::velocity_at(std::size_t step) const {
   return here ? *here : next ? *next : Vector6d::Zero();
 }
 
-/// Undistorted pixels of raw ones of a step's image, as at its middle row's moment; their depths
+/// Raw pixels of a step's image, `seen` undistorted, as at its middle row's moment; their depths
 /// are read from the newest depth image at `depth_from`.
 std::vector<cv::Point2f> FeatureMotionEstimator::straight(
-    const std::vector<cv::Point2f>& raw, const cv::Mat& depth,
+    const std::vector<cv::Point2f>& raw, const std::vector<cv::Point2f>& seen, const cv::Mat& depth,
     const std::vector<cv::Point2f>& depth_from, std::size_t step) const {
-  std::vector<cv::Point2f> flat = camera_.undistort(raw);
+  std::vector<cv::Point2f> flat = seen;
   if (camera_.readout <= 0.0) return flat;
   const Vector6d velocity = velocity_at(step);
   for (std::size_t i = 0; i < flat.size(); ++i) {
@@ -94,13 +94,15 @@ FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& 
   steps_.push_front({time, std::nullopt});
   while (static_cast<int>(steps_.size()) > options_.flow.history + 1) steps_.pop_back();
   FeatureMotion motion;
-  motion.now = straight(points, depth, points, 0);
+  motion.seen_now = camera_.undistort(points);
+  motion.now = straight(points, motion.seen_now, depth, points, 0);
   motion.tracks.previous = points;
   motion.tracks.tracked.assign(points.size(), 0);
   if (flow_.earlier_frames() > 0) {
     motion.tracks = flow_.track(points, 1, predict(depth, points, motion.now));
   }
-  motion.then = straight(motion.tracks.previous, depth, points, 1);
+  motion.seen_then = camera_.undistort(motion.tracks.previous);
+  motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
   motion.residual.assign(points.size(), unknown);
   motion.long_residual.assign(points.size(), unknown);
   return motion;
@@ -160,8 +162,8 @@ void FeatureMotionEstimator::compensate(const cv::Mat& depth,
   steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
   if (camera_.readout > 0.0) {
     // The motion tells what the rolling shutter did, and that refines the motion.
-    motion.now = straight(points, depth, points, 0);
-    motion.then = straight(motion.tracks.previous, depth, points, 1);
+    motion.now = straight(points, motion.seen_now, depth, points, 0);
+    motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
     MotionOptions refinement = options_.motion;
     refinement.iterations = 0;
     const auto refined = camera_motion(depth, points, low, *steps_.front().previous_from_this,
@@ -212,7 +214,8 @@ void FeatureMotionEstimator::look_back(const cv::Mat& depth, const std::vector<c
   if (from.empty()) return;
   const FlowResult tracks = flow_.track(from, frames_back, guess);
   const std::vector<cv::Point2f> then =
-      straight(tracks.previous, depth, from, static_cast<std::size_t>(frames_back));
+      straight(tracks.previous, camera_.undistort(tracks.previous), depth, from,
+               static_cast<std::size_t>(frames_back));
   for (std::size_t i = 0; i < from.size(); ++i) {
     if (tracks.tracked[i] == 0) continue;
     // The lag is between images of one frame: flow per frame counts, not over the baseline.

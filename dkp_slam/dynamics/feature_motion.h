@@ -29,8 +29,9 @@ struct FeatureMotionOptions {
 
 /// What flow says about the features of the newest frame. Vectors run parallel to the features.
 struct FeatureMotion {
-  FlowResult tracks;                   ///< into the frame before, raw pixels
-  std::vector<cv::Point2f> now, then;  ///< undistorted pixels, as a global shutter would see them
+  FlowResult tracks;                             ///< into the frame before, raw pixels
+  std::vector<cv::Point2f> seen_now, seen_then;  ///< undistorted pixels
+  std::vector<cv::Point2f> now, then;            ///< the same, as a global shutter would see them
   std::optional<CameraMotion> camera_motion;
   bool from_low_points = false;      ///< camera_motion rests on what lies outside the boxes alone
   std::vector<float> residual;       ///< pixels off the static prediction, NaN where unknown
@@ -70,7 +71,8 @@ class FeatureMotionEstimator {
                                             const MotionOptions& options, std::uint64_t seed,
                                             FeatureMotion& motion) const;
   Vector6d velocity_at(std::size_t step) const;
-  std::vector<cv::Point2f> straight(const std::vector<cv::Point2f>& raw, const cv::Mat& depth,
+  std::vector<cv::Point2f> straight(const std::vector<cv::Point2f>& raw,
+                                    const std::vector<cv::Point2f>& seen, const cv::Mat& depth,
                                     const std::vector<cv::Point2f>& depth_from,
                                     std::size_t step) const;
   double residual_at(const cv::Mat& depth, const cv::Point2f& raw, const cv::Point2f& now,

@@ -27,6 +27,7 @@ class PatchFinder {
         if (map.labels.at<int>(y, x) == label) samples_.push_back({{x, y}, view.point(x, y)});
       }
     }
+    fill_counter();
   }
 
   /// The plane with the most samples; their share is a ninth of its pixels.
@@ -37,14 +38,14 @@ class PatchFinder {
     for (int i = 0; i < options_.iterations && !samples_.empty(); ++i) {
       const std::optional<Plane> plane = local_plane();
       if (!plane) continue;
-      const int count = support(*plane);
+      const int count = counter_.count(*plane);
       if (count <= best_count) continue;
       best_count = count;
       best = plane;
       // Three pixels fix a plane near by only: least squares carry it to the patch's far end.
       for (int step = 0; step < 3; ++step) {
         const Plane refined = fit_plane(inliers(*best));
-        const int more = support(refined);
+        const int more = counter_.count(refined);
         if (more <= best_count) break;
         best_count = more;
         best = refined;
@@ -54,18 +55,19 @@ class PatchFinder {
     const double bend = bulge(*best);
     if (bend > options_.max_bulge) return std::nullopt;
     if (bend > options_.doubtful_bulge &&
-        support(*best, 2.0F) > options_.max_widening * best_count) {
+        counter_.count(*best, 2.0F) > options_.max_widening * best_count) {
       return std::nullopt;
     }
     return best;
   }
 
-  bool holds(const Plane& plane, const Eigen::Vector3f& p, float factor = 1.0F) const {
-    return std::abs(plane.normal.dot(p) - plane.distance) < factor * half_thickness(p.z());
+  bool holds(const Plane& plane, const Eigen::Vector3f& p) const {
+    return std::abs(plane.normal.dot(p) - plane.distance) < half_thickness(p.z());
   }
 
   void forget(const Plane& plane) {
     std::erase_if(samples_, [&](const Sample& s) { return holds(plane, s.point); });
+    fill_counter();
   }
 
  private:
@@ -103,10 +105,9 @@ class PatchFinder {
     return normal_matrix.ldlt().solve(right).head<3>().norm();
   }
 
-  int support(const Plane& plane, float factor = 1.0F) const {
-    return static_cast<int>(std::count_if(samples_.begin(), samples_.end(), [&](const Sample& s) {
-      return holds(plane, s.point, factor);
-    }));
+  void fill_counter() {
+    counter_ = {};
+    for (const Sample& s : samples_) counter_.add(s.point, half_thickness(s.point.z()));
   }
 
   std::vector<Eigen::Vector3f> inliers(const Plane& plane) const {
@@ -138,6 +139,7 @@ class PatchFinder {
   const FlatPatchOptions& options_;
   std::mt19937_64 random_;
   std::vector<Sample> samples_;
+  InlierCounter counter_;  // of the samples
 };
 
 /// The flat patches of one segment, CV_8UC1 of its box's size; empty when there is none.

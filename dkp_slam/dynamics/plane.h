@@ -37,6 +37,18 @@ struct PlaneOptions {
   double slope_error = 0.45;  ///< rise over run by which a surface on the plane may lean off it
 };
 
+/// Points, each with the distance by which it may lie off a plane: RANSAC asks again and again how
+/// many a plane holds. Kept by coordinate, so that the compiler counts several at a time.
+class InlierCounter {
+ public:
+  void add(const Eigen::Vector3f& point, float tolerance);
+  /// Points nearer to the plane than `factor` times their tolerance.
+  int count(const Plane& plane, float factor = 1.0F) const;
+
+ private:
+  std::vector<float> x_, y_, z_, tolerance_;
+};
+
 /// Plane through three points; nothing when they lie too close to a line.
 std::optional<Plane> plane_through(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                                    const Eigen::Vector3f& c);

@@ -30,7 +30,12 @@ class LabelSets {
     parent_[static_cast<std::size_t>(b)] = a;
     return a;
   }
-  int size() const { return static_cast<int>(parent_.size()); }
+  /// The root of every label.
+  std::vector<int> roots() const {
+    std::vector<int> all = parent_;
+    for (int& p : all) p = all[static_cast<std::size_t>(p)];  // parents come before their children
+    return all;
+  }
 
  private:
   std::vector<int> parent_{0};  // label 0 is "none"
@@ -106,7 +111,8 @@ SegmentMap segment_surfaces(const DepthView& view, const cv::Mat& excluded,
     }
   }
   // Second pass: roots become consecutive numbers.
-  std::vector<int> final_label(static_cast<std::size_t>(sets.size()), 0);
+  const std::vector<int> roots = sets.roots();
+  std::vector<int> final_label(roots.size(), 0);
   std::vector<double> depth_sum;
   std::vector<cv::Point> low, high;
   for (int y = 0; y < view.depth.rows; ++y) {
@@ -114,7 +120,8 @@ SegmentMap segment_surfaces(const DepthView& view, const cv::Mat& excluded,
     int* label = map.labels.ptr<int>(y);
     for (int x = 0; x < view.depth.cols; ++x) {
       if (label[x] == 0) continue;
-      int& number = final_label[static_cast<std::size_t>(sets.root(label[x]))];
+      const int root = roots[static_cast<std::size_t>(label[x])];
+      int& number = final_label[static_cast<std::size_t>(root)];
       if (number == 0) {
         map.segments.emplace_back();
         depth_sum.push_back(0.0);
