@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <mutex>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -50,6 +52,31 @@ void search_empty_cells(const cv::Mat& image, int threshold, std::vector<cv::Key
   }
 }
 
+/// Levels of an image, each made from the one below when it is first asked for: whoever works on
+/// the image itself need not wait for them. Safe to use from several threads.
+class Pyramid {
+ public:
+  Pyramid(const cv::Mat& image, std::vector<cv::Size> sizes)
+      : sizes_(std::move(sizes)), levels_(sizes_.size()), made_(sizes_.size()) {
+    levels_.front() = image;
+  }
+
+  int levels() const { return static_cast<int>(levels_.size()); }
+
+  const cv::Mat& level(int n) {
+    const auto l = static_cast<std::size_t>(n);
+    if (n == 0) return levels_.front();
+    std::call_once(
+        made_[l], [&] { cv::resize(level(n - 1), levels_[l], sizes_[l], 0, 0, cv::INTER_LINEAR); });
+    return levels_[l];
+  }
+
+ private:
+  std::vector<cv::Size> sizes_;
+  std::vector<cv::Mat> levels_;
+  std::vector<std::once_flag> made_;
+};
+
 }  // namespace
 
 OrbExtractor::OrbExtractor(const OrbOptions& options)
@@ -69,21 +96,19 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
 
 OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
   CV_Assert(grey.type() == CV_8UC1);
-  std::vector<cv::Mat> pyramid{grey};
+  std::vector<cv::Size> sizes{grey.size()};
   for (int level = 1; level < options_.levels; ++level) {
     const float scale = scales_[static_cast<std::size_t>(level)];
     const cv::Size size(cvRound(grey.cols / scale), cvRound(grey.rows / scale));
     if (size.width <= 2 * border || size.height <= 2 * border) break;
-    pyramid.emplace_back();
-    cv::resize(pyramid[static_cast<std::size_t>(level) - 1], pyramid.back(), size, 0, 0,
-               cv::INTER_LINEAR);
+    sizes.push_back(size);
   }
+  Pyramid pyramid(grey, std::move(sizes));
   // Levels have nothing to do with each other: whoever waits for a frame gets it sooner.
-  std::vector<OrbFeatures> of_level(pyramid.size());
-  cv::parallel_for_(cv::Range(0, static_cast<int>(pyramid.size())), [&](const cv::Range& range) {
+  std::vector<OrbFeatures> of_level(static_cast<std::size_t>(pyramid.levels()));
+  cv::parallel_for_(cv::Range(0, pyramid.levels()), [&](const cv::Range& range) {
     for (int level = range.start; level < range.end; ++level) {
-      const auto l = static_cast<std::size_t>(level);
-      of_level[l] = extract_level(pyramid[l], level);
+      of_level[static_cast<std::size_t>(level)] = extract_level(pyramid.level(level), level);
     }
   });
   OrbFeatures out;

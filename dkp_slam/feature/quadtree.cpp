@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <numeric>
 #include <queue>
+#include <vector>
 
 #include "dkp_slam/feature/orb_extractor.h"
 
@@ -8,90 +10,120 @@ namespace {
 
 struct Node {
   cv::Rect2f area;
-  std::vector<int> members;  // indices of keypoints
+  int first = 0, count = 0;  // its keypoints: this stretch of the tree's order
 };
 
-/// The node's non-empty quarters.
-std::vector<Node> split(const Node& node, const std::vector<cv::KeyPoint>& keypoints) {
-  const float half_width = 0.5F * node.area.width, half_height = 0.5F * node.area.height;
-  const float middle_x = node.area.x + half_width, middle_y = node.area.y + half_height;
-  std::vector<Node> quarters(4);
-  for (int q = 0; q < 4; ++q) {
-    quarters[static_cast<std::size_t>(q)].area = cv::Rect2f(
-        q % 2 ? middle_x : node.area.x, q / 2 ? middle_y : node.area.y, half_width, half_height);
+/// Splits an area again and again; holds its leaves, and nodes without keypoints where leaves were
+/// split.
+class Quadtree {
+ public:
+  Quadtree(const std::vector<cv::KeyPoint>& keypoints, const cv::Rect2f& area)
+      : keypoints_(keypoints), order_(keypoints.size()) {
+    std::iota(order_.begin(), order_.end(), 0);
+    // Roughly square roots, so that leaves are square too.
+    const int roots = std::max(1, cvRound(area.width / area.height));
+    const float width = area.width / static_cast<float>(roots);
+    const auto root_of = [&](int k) {
+      return std::clamp(static_cast<int>((point(k).x - area.x) / width), 0, roots - 1);
+    };
+    int first = 0;
+    for (int r = 0; r < roots; ++r) {
+      const int end = part(first, size(), [&](int k) { return root_of(k) == r; });
+      add({{area.x + static_cast<float>(r) * width, area.y, width, area.height},
+           first,
+           end - first});
+      first = end;
+    }
   }
-  for (const int i : node.members) {
-    const cv::Point2f& p = keypoints[static_cast<std::size_t>(i)].pt;
-    quarters[static_cast<std::size_t>((p.x >= middle_x) + 2 * (p.y >= middle_y))].members.push_back(
-        i);
+
+  void split_until(int wanted) {
+    while (leaves_ < wanted && !queue_.empty()) {
+      const auto next = static_cast<std::size_t>(queue_.top().node);
+      queue_.pop();
+      if (nodes_[next].count < 2 || nodes_[next].area.width < 1.0F) continue;
+      const Node node = nodes_[next];
+      nodes_[next].count = 0;
+      --leaves_;
+      split(node);
+    }
   }
-  std::erase_if(quarters, [](const Node& n) { return n.members.empty(); });
-  return quarters;
-}
+
+  /// The strongest keypoint of every leaf.
+  std::vector<cv::KeyPoint> strongest() const {
+    std::vector<cv::KeyPoint> kept;
+    kept.reserve(static_cast<std::size_t>(leaves_));
+    for (const Node& node : nodes_) {
+      if (node.count == 0) continue;
+      const auto first = order_.begin() + node.first;
+      const int best = *std::max_element(first, first + node.count, [&](int a, int b) {
+        const float ra = keypoints_[static_cast<std::size_t>(a)].response;
+        const float rb = keypoints_[static_cast<std::size_t>(b)].response;
+        return ra != rb ? ra < rb : a > b;
+      });
+      kept.push_back(keypoints_[static_cast<std::size_t>(best)]);
+    }
+    return kept;
+  }
+
+ private:
+  /// The largest node is split first, which spreads the leaves evenly over the area rather than
+  /// over the corners; then the fullest, then the oldest, so that the result never varies.
+  struct Waiting {
+    float area;
+    int count, node;
+    bool operator<(const Waiting& other) const {
+      if (area != other.area) return area < other.area;
+      return count != other.count ? count < other.count : node > other.node;
+    }
+  };
+
+  int size() const { return static_cast<int>(order_.size()); }
+  const cv::Point2f& point(int k) const { return keypoints_[static_cast<std::size_t>(k)].pt; }
+
+  /// Brings keypoints of the stretch for which `first_part` holds to its front; where they end.
+  template <typename Predicate>
+  int part(int first, int end, const Predicate& first_part) {
+    const auto begin = order_.begin();
+    return static_cast<int>(std::partition(begin + first, begin + end, first_part) - begin);
+  }
+
+  void add(const Node& node) {
+    if (node.count > 0) {
+      queue_.push({node.area.area(), node.count, static_cast<int>(nodes_.size())});
+      nodes_.push_back(node);
+      ++leaves_;
+    }
+  }
+
+  void split(const Node& node) {
+    const float width = 0.5F * node.area.width, height = 0.5F * node.area.height;
+    const float middle_x = node.area.x + width, middle_y = node.area.y + height;
+    const auto left = [&](int k) { return point(k).x < middle_x; };
+    const int end = node.first + node.count;
+    const int bottom = part(node.first, end, [&](int k) { return point(k).y < middle_y; });
+    const int top_right = part(node.first, bottom, left);
+    const int bottom_right = part(bottom, end, left);
+    add({{node.area.x, node.area.y, width, height}, node.first, top_right - node.first});
+    add({{middle_x, node.area.y, width, height}, top_right, bottom - top_right});
+    add({{node.area.x, middle_y, width, height}, bottom, bottom_right - bottom});
+    add({{middle_x, middle_y, width, height}, bottom_right, end - bottom_right});
+  }
+
+  const std::vector<cv::KeyPoint>& keypoints_;
+  std::vector<int> order_;  // indices of keypoints
+  std::vector<Node> nodes_;
+  std::priority_queue<Waiting> queue_;
+  int leaves_ = 0;
+};
 
 }  // namespace
 
 std::vector<cv::KeyPoint> spread_by_quadtree(const std::vector<cv::KeyPoint>& keypoints,
                                              const cv::Rect2f& area, int wanted) {
   if (static_cast<int>(keypoints.size()) <= wanted) return keypoints;
-  std::vector<Node> nodes;
-  // Roughly square roots, so that leaves are square too.
-  const int roots = std::max(1, cvRound(area.width / area.height));
-  nodes.resize(static_cast<std::size_t>(roots));
-  const float root_width = area.width / static_cast<float>(roots);
-  for (int r = 0; r < roots; ++r) {
-    nodes[static_cast<std::size_t>(r)].area =
-        cv::Rect2f(area.x + static_cast<float>(r) * root_width, area.y, root_width, area.height);
-  }
-  for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const int r =
-        std::clamp(static_cast<int>((keypoints[i].pt.x - area.x) / root_width), 0, roots - 1);
-    nodes[static_cast<std::size_t>(r)].members.push_back(static_cast<int>(i));
-  }
-
-  // The largest node is split first, which spreads the leaves evenly over the area rather than over
-  // the corners; then the fullest, then the oldest, so that the result never varies.
-  const auto later = [&](int a, int b) {
-    const float area_a = nodes[static_cast<std::size_t>(a)].area.area();
-    const float area_b = nodes[static_cast<std::size_t>(b)].area.area();
-    if (area_a != area_b) return area_a < area_b;
-    const std::size_t na = nodes[static_cast<std::size_t>(a)].members.size();
-    const std::size_t nb = nodes[static_cast<std::size_t>(b)].members.size();
-    return na != nb ? na < nb : a > b;
-  };
-  std::priority_queue<int, std::vector<int>, decltype(later)> queue(later);
-  int leaves = 0;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (nodes[i].members.empty()) continue;
-    queue.push(static_cast<int>(i));
-    ++leaves;
-  }
-  while (leaves < wanted && !queue.empty()) {
-    const auto next = static_cast<std::size_t>(queue.top());
-    queue.pop();
-    if (nodes[next].members.size() < 2 || nodes[next].area.width < 1.0F) continue;
-    const Node node = std::move(nodes[next]);
-    nodes[next].members.clear();
-    --leaves;
-    for (Node& quarter : split(node, keypoints)) {
-      nodes.push_back(std::move(quarter));
-      queue.push(static_cast<int>(nodes.size()) - 1);
-      ++leaves;
-    }
-  }
-
-  std::vector<cv::KeyPoint> kept;
-  kept.reserve(static_cast<std::size_t>(leaves));
-  for (const Node& node : nodes) {
-    if (node.members.empty()) continue;
-    const int best = *std::max_element(node.members.begin(), node.members.end(), [&](int a, int b) {
-      const float ra = keypoints[static_cast<std::size_t>(a)].response;
-      const float rb = keypoints[static_cast<std::size_t>(b)].response;
-      return ra != rb ? ra < rb : a > b;
-    });
-    kept.push_back(keypoints[static_cast<std::size_t>(best)]);
-  }
-  return kept;
+  Quadtree tree(keypoints, area);
+  tree.split_until(wanted);
+  return tree.strongest();
 }
 
 }  // namespace dkp_slam
