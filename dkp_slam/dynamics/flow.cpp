@@ -6,9 +6,16 @@ namespace dkp_slam {
 
 void BackwardFlow::push(const cv::Mat& grey) {
   std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(grey, pyramid, window(), options_.levels, true);
+  if (earlier_frames() == options_.history) {
+    // The oldest one's memory: 2 MB from the system for every frame cost as much as filling them.
+    pyramid = std::move(pyramids_.back());
+    pyramids_.pop_back();
+  }
+  // With a copy of `grey`, which is not ours to write to when its turn comes.
+  constexpr bool reuse_input = false;
+  cv::buildOpticalFlowPyramid(grey, pyramid, window(), options_.levels, true,
+                              cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, reuse_input);
   pyramids_.push_front(std::move(pyramid));
-  while (static_cast<int>(pyramids_.size()) > options_.history + 1) pyramids_.pop_back();
 }
 
 FlowResult BackwardFlow::track(const std::vector<cv::Point2f>& points, int frames_back,

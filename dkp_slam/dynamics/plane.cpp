@@ -127,16 +127,30 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
 
 namespace {
 
-/// Depth at which a ray meets the plane; far off for rays along it.
-float depth_on(const Plane& plane, const cv::Vec2f& ray) {
-  const float n = plane.normal.dot(Eigen::Vector3f(ray[0], ray[1], 1.0F));
-  return std::abs(n) < 1e-4F ? 1e4F : plane.distance / n;
+/// 0 in `near` for the pixels of row y that are farther off the plane than lies_on allows for, as
+/// most are: sorts them out at the least cost. (By value what the loop needs: so the compiler takes
+/// several pixels at a time.)
+void mark_near(const DepthView& view, const Plane& plane, int y, const PlaneOptions& options,
+               std::vector<std::uint8_t>& near) {
+  const auto constant = static_cast<float>(options.thickness_constant + options.removal_margin);
+  const auto quadratic = static_cast<float>(options.thickness_quadratic);
+  const float nx = plane.normal.x(), ny = plane.normal.y(), nz = plane.normal.z();
+  const float distance = plane.distance;
+  const auto* ray = view.rays.ptr<cv::Vec2f>(y);
+  const auto* depth = view.depth.ptr<float>(y);
+  std::uint8_t* out = near.data();
+  const int columns = view.depth.cols;
+  for (int x = 0; x < columns; ++x) {
+    const float z = depth[x];
+    const float off = (nx * ray[x][0] + ny * ray[x][1] + nz) * z - distance;
+    out[x] = std::abs(off) < constant + quadratic * z * z ? 1 : 0;
+  }
 }
 
-/// `plane_depth(x, y)`: depth_on the pixel's ray.
-template <typename PlaneDepth>
+}  // namespace
+
 bool runs_along(const DepthView& view, const Plane& plane, int x, int y,
-                const PlaneOptions& options, const PlaneDepth& plane_depth) {
+                const PlaneOptions& options) {
   const float z = view.depth.at<float>(y, x);
   if (z <= 0.0F) return false;
   if (!lies_on(plane, view.point(x, y), options, static_cast<float>(options.removal_margin))) {
@@ -148,6 +162,11 @@ bool runs_along(const DepthView& view, const Plane& plane, int x, int y,
   const auto depth_at = [&](int px, int py) {
     const bool inside = px >= 0 && py >= 0 && px < view.depth.cols && py < view.depth.rows;
     return inside ? view.depth.at<float>(py, px) : 0.0F;
+  };
+  const auto plane_depth = [&](int px, int py) {
+    const auto& ray = view.rays.at<cv::Vec2f>(py, px);
+    const float n = plane.normal.dot(Eigen::Vector3f(ray[0], ray[1], 1.0F));
+    return std::abs(n) < 1e-4F ? 1e4F : plane.distance / n;
   };
   // Depth of the plane along the rays at both ends of a small cross, against what is there.
   for (const auto& [dx, dy] : std::array<std::pair<int, int>, 2>{{{reach, 0}, {0, reach}}}) {
@@ -169,61 +188,21 @@ bool runs_along(const DepthView& view, const Plane& plane, int x, int y,
   return true;
 }
 
-/// depth_on every ray of the view, CV_32FC1.
-cv::Mat depths_on(const Plane& plane, const cv::Mat& rays) {
-  cv::Mat out(rays.size(), CV_32FC1);
-  for (int y = 0; y < rays.rows; ++y) {
-    const auto* ray = rays.ptr<cv::Vec2f>(y);
-    auto* depth = out.ptr<float>(y);
-    for (int x = 0; x < rays.cols; ++x) depth[x] = depth_on(plane, ray[x]);
-  }
-  return out;
-}
-
-}  // namespace
-
-bool runs_along(const DepthView& view, const Plane& plane, int x, int y,
-                const PlaneOptions& options) {
-  return runs_along(view, plane, x, y, options, [&](int px, int py) {
-    return depth_on(plane, view.rays.at<cv::Vec2f>(py, px));
-  });
-}
-
 cv::Mat plane_pixels(const DepthView& view, const std::vector<Plane>& planes, const cv::Rect& area,
                      const PlaneOptions& options) {
   cv::Mat out = cv::Mat::zeros(view.depth.size(), CV_8UC1);
   const cv::Rect inside = area & cv::Rect(0, 0, out.cols, out.rows);
-  const auto constant = static_cast<float>(options.thickness_constant + options.removal_margin);
-  const auto quadratic = static_cast<float>(options.thickness_quadratic);
-  std::vector<cv::Mat> depths(planes.size());
-  cv::parallel_for_({0, static_cast<int>(planes.size())}, [&](const cv::Range& range) {
-    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end);
-         ++i) {
-      depths[i] = depths_on(planes[i], view.rays);
-    }
-  });
-  const auto mark_row = [&](std::size_t i, int y, std::vector<std::uint8_t>& near) {
-    const Plane& plane = planes[i];
-    const auto* ray = view.rays.ptr<cv::Vec2f>(y);
-    const float* z = view.depth.ptr<float>(y);
-    auto* on = out.ptr<std::uint8_t>(y);
-    // Most pixels are far from the plane: this sorts them out at the least cost.
-    for (int x = 0; x < view.depth.cols; ++x) {
-      const float off =
-          (plane.normal.x() * ray[x][0] + plane.normal.y() * ray[x][1] + plane.normal.z()) * z[x] -
-          plane.distance;
-      near[static_cast<std::size_t>(x)] = std::abs(off) < constant + quadratic * z[x] * z[x];
-    }
-    for (int x = inside.x; x < inside.x + inside.width; ++x) {
-      if (near[static_cast<std::size_t>(x)] == 0 || on[x] != 0) continue;
-      const auto plane_depth = [&](int px, int py) { return depths[i].at<float>(py, px); };
-      if (runs_along(view, plane, x, y, options, plane_depth)) on[x] = 255;
-    }
-  };
   cv::parallel_for_({inside.y, inside.y + inside.height}, [&](const cv::Range& rows) {
     std::vector<std::uint8_t> near(static_cast<std::size_t>(view.depth.cols));
-    for (std::size_t i = 0; i < planes.size(); ++i) {
-      for (int y = rows.start; y < rows.end; ++y) mark_row(i, y, near);
+    for (const Plane& plane : planes) {
+      for (int y = rows.start; y < rows.end; ++y) {
+        mark_near(view, plane, y, options, near);
+        auto* on = out.ptr<std::uint8_t>(y);
+        for (int x = inside.x; x < inside.x + inside.width; ++x) {
+          if (near[static_cast<std::size_t>(x)] == 0 || on[x] != 0) continue;
+          if (runs_along(view, plane, x, y, options)) on[x] = 255;
+        }
+      }
     }
   });
   return out;
