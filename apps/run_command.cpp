@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "apps/camera_choice.h"
 #include "apps/commands.h"
 #include "apps/progress.h"
 #include "apps/run_map.h"
@@ -142,6 +143,9 @@ std::optional<ErrorStatistics> error_against_truth(const std::string& sequence,
 
 void run(RunOptions options) {
   SlamOptions slam_options;
+  const bool camera_given = !options.camera.empty();
+  options.camera = choose_camera(options.sequence, options.camera);
+  if (!camera_given) spdlog::info("camera: {}", options.camera);
   slam_options.camera = load_camera(options.camera);
   slam_options.dynamics.mode = options.mode;
   slam_options.realtime = options.realtime;
@@ -230,7 +234,9 @@ void add_run_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "run", "Localise the camera in an RGB-D sequence with people in it; write its path.");
   command->add_option("SEQUENCE", options->sequence, "Folder in TUM RGB-D format")->required();
-  command->add_option("--camera", options->camera, "Camera file, see config/*.yaml")->required();
+  command->add_option("--camera", options->camera,
+                      "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else "
+                      "SEQUENCE/camera.yaml, else by the folder's name");
   command
       ->add_option("--mode", options->mode,
                    "What is removed: off (nothing), d (boxes), dk (clustered masks), dkp (the "

@@ -345,6 +345,33 @@ TEST_F(RunCommand, CameraFilesThatMakeNoSense) {
   expect_refused("camera.yaml");
 }
 
+TEST_F(RunCommand, WithoutACameraFileTheFolderTells) {
+  const auto refused = [&](const fs::path& folder, const std::string& why) {
+    const Program program(folder_, {"run", folder, "--out", out(), "--mode", "off"}, {});
+    EXPECT_EQ(program.wait(), 1);
+    EXPECT_THAT(program.err(), HasSubstr(why));
+    EXPECT_FALSE(fs::exists(out()));
+  };
+  const auto camera_used = [&](const fs::path& folder, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"run", folder, "--out", out(), "--mode", "off"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Program program(folder_, arguments, {});
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    return fs::path(std::string(summary().at("options").at("camera")));
+  };
+  EXPECT_EQ(camera_used(sequence_->folder(), {}), camera());
+  EXPECT_EQ(camera_used(sequence_->folder(), {"--camera", "fr3"}).filename(), "tum_fr3.yaml");
+  fs::remove_all(out());
+
+  fs::remove(camera());
+  refused(sequence_->folder(), "give one with --camera");
+  refused(folder_ / "nothing", "no such folder");
+  const fs::path named = folder_ / "rgbd_dataset_freiburg2_wall";
+  fs::rename(sequence_->folder(), named);
+  EXPECT_EQ(camera_used(named / "", {}).filename(), "tum_fr2.yaml");
+  fs::rename(named, sequence_->folder());
+}
+
 TEST_F(RunCommand, AModelThatIsNoYolox) {
   std::ofstream(folder_ / "no.onnx") << "this is no model";
   expect_refused("no.onnx", {"--model", folder_ / "no.onnx"});

@@ -3,57 +3,19 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
-#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/camera_choice.h"
 #include "dkp_slam/detection/detector_factory.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/fingerprint.h"
-#include "dkp_slam/evaluation/measure/sequence_name.h"
 
 namespace dkp_slam::apps {
 namespace {
 
 namespace fs = std::filesystem;
-
-const std::map<std::string, std::string> cameras_by_name{{"fr1", "tum_fr1.yaml"},
-                                                         {"fr2", "tum_fr2.yaml"},
-                                                         {"fr3", "tum_fr3.yaml"},
-                                                         {"bonn", "bonn.yaml"}};
-
-/// One of the camera files that come with the program.
-fs::path shipped_camera(const std::string& file) {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (const fs::path& folder :
-       {program / "config", program / "../share/dkp-slam/config", fs::path(DKP_SLAM_CONFIG_DIR)}) {
-    if (fs::exists(folder / file)) return folder / file;
-  }
-  throw Error(file + ": the program's folder of camera files is missing; give one with --camera");
-}
-
-fs::path camera_of(const fs::path& folder, const std::string& name, const std::string& wanted) {
-  if (const auto known = cameras_by_name.find(wanted); known != cameras_by_name.end()) {
-    return shipped_camera(known->second);
-  }
-  if (!wanted.empty()) {
-    if (!fs::is_regular_file(wanted)) {
-      throw Error(wanted + ": no such camera file, nor one of fr1, fr2, fr3, bonn; see --camera");
-    }
-    return wanted;
-  }
-  if (fs::exists(folder / "camera.yaml")) return folder / "camera.yaml";
-  try {
-    return shipped_camera(camera_file(name));
-  } catch (const Error&) {
-    throw Error(
-        fmt::format("{}: has no camera.yaml and its name does not tell its camera; give one "
-                    "with --camera FILE, or --camera fr1, fr2, fr3 or bonn",
-                    folder.string()));
-  }
-}
 
 /// "walking_xyz" for a folder that `synth` made; empty for others.
 std::string scenario_of(const fs::path& folder) {
@@ -83,7 +45,7 @@ BenchSequence read_sequence(const std::string& text, const std::string& camera) 
                 ": has no groundtruth.txt, without which there is nothing to compare; leave "
                 "it out");
   }
-  sequence.camera = fs::absolute(camera_of(sequence.folder, sequence.name, camera));
+  sequence.camera = fs::absolute(choose_camera(sequence.folder, camera));
   sequence.scenario = scenario_of(sequence.folder);
   std::string prints = fingerprint(sequence.camera);
   for (const char* file :
