@@ -7,7 +7,7 @@ namespace dkp_slam {
 void BackwardFlow::push(const cv::Mat& grey) {
   std::vector<cv::Mat> pyramid;
   if (earlier_frames() == options_.history) {
-    // The oldest one's memory: 2 MB from the system for every frame cost as much as filling them.
+    // In the oldest one's memory: 2 MB anew from the system take a third of the time.
     pyramid = std::move(pyramids_.back());
     pyramids_.pop_back();
   }

@@ -50,6 +50,26 @@ std::vector<Eigen::Vector3f> sample_points(const DepthView& view, const cv::Mat&
   return points;
 }
 
+/// 0 in `near` for the pixels of row y that are farther off the plane than lies_on allows for, as
+/// most are: sorts them out at the least cost. (By value what the loop needs: so the compiler takes
+/// several pixels at a time.)
+void mark_near(const DepthView& view, const Plane& plane, int y, const PlaneOptions& options,
+               std::vector<std::uint8_t>& near) {
+  const auto constant = static_cast<float>(options.thickness_constant + options.removal_margin);
+  const auto quadratic = static_cast<float>(options.thickness_quadratic);
+  const float nx = plane.normal.x(), ny = plane.normal.y(), nz = plane.normal.z();
+  const float distance = plane.distance;
+  const auto* ray = view.rays.ptr<cv::Vec2f>(y);
+  const auto* depth = view.depth.ptr<float>(y);
+  std::uint8_t* out = near.data();
+  const int columns = view.depth.cols;
+  for (int x = 0; x < columns; ++x) {
+    const float z = depth[x];
+    const float off = (nx * ray[x][0] + ny * ray[x][1] + nz) * z - distance;
+    out[x] = std::abs(off) < constant + quadratic * z * z ? 1 : 0;
+  }
+}
+
 }  // namespace
 
 void InlierCounter::add(const Eigen::Vector3f& point, float tolerance) {
@@ -124,30 +144,6 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
   }
   return planes;
 }
-
-namespace {
-
-/// 0 in `near` for the pixels of row y that are farther off the plane than lies_on allows for, as
-/// most are: sorts them out at the least cost. (By value what the loop needs: so the compiler takes
-/// several pixels at a time.)
-void mark_near(const DepthView& view, const Plane& plane, int y, const PlaneOptions& options,
-               std::vector<std::uint8_t>& near) {
-  const auto constant = static_cast<float>(options.thickness_constant + options.removal_margin);
-  const auto quadratic = static_cast<float>(options.thickness_quadratic);
-  const float nx = plane.normal.x(), ny = plane.normal.y(), nz = plane.normal.z();
-  const float distance = plane.distance;
-  const auto* ray = view.rays.ptr<cv::Vec2f>(y);
-  const auto* depth = view.depth.ptr<float>(y);
-  std::uint8_t* out = near.data();
-  const int columns = view.depth.cols;
-  for (int x = 0; x < columns; ++x) {
-    const float z = depth[x];
-    const float off = (nx * ray[x][0] + ny * ray[x][1] + nz) * z - distance;
-    out[x] = std::abs(off) < constant + quadratic * z * z ? 1 : 0;
-  }
-}
-
-}  // namespace
 
 bool runs_along(const DepthView& view, const Plane& plane, int x, int y,
                 const PlaneOptions& options) {
