@@ -215,13 +215,14 @@ def long_run(bench):
     s = bench.run("there_and_back", folder, bench.camera(global_shutter=True), "--mode", "off")
     figures = list(there_and_back.rounds(folder, s["folder"], bench.program))
     rows = [[r["round"], r["frames"], r["localised"], f"{r['frame_ms']:.2f}", f"{r['tracking_ms']:.2f}",
-             r["keyframes"], f"{r['median_mb']:.1f}", f"{r['most_mb']:.1f}", f"{r['ate']:.4f}"]
-            for r in figures if r["round"] in (1, 2, ROUNDS // 2, ROUNDS)]
+             f"{r['decode_ms']:.2f}", r["keyframes"], f"{r['median_mb']:.1f}", f"{r['most_mb']:.1f}", f"{r['ate']:.4f}"]
+            for r in figures]
     return (f"### A long run\n\nfr1_xyz forward and backward in turn, {ROUNDS} times, mode off. Must: the last "
             "round's frame time within 10 % of the first's, its ATE no worse, memory that has stopped "
-            f"growing. Over the second half memory grew by {there_and_back.growth(figures):.2f} MB a round.\n\n"
-            + table(["round", "frames", "localised", "frame ms", "tracking ms", "keyframes made",
-                     "memory MB, median", "most", "ATE m"], rows))
+            f"growing. Over the second half memory grew by {there_and_back.growth(figures):.2f} MB a round. "
+            "Decoding knows nothing of the map: a round in which it is slower had a slower machine.\n\n"
+            + table(["round", "frames", "localised", "frame ms", "tracking ms", "decoding ms",
+                     "keyframes made", "memory MB, median", "most", "ATE m"], rows))
 
 
 def main():

@@ -85,6 +85,7 @@ def rounds(out, run, program):
                "localised": sum(int(f["localised"]) for f in mine),
                "frame_ms": statistics.median(float(f["frame_ms"]) for f in mine),
                "tracking_ms": statistics.median(float(f["tracking_ms"]) for f in mine),
+               "decode_ms": statistics.median(float(f["decode_ms"]) for f in mine),
                "keyframes": sum(int(f["keyframe"]) for f in mine),
                "most_mb": max(memory), "median_mb": statistics.median(memory),
                "ate": error(program, within(truth, begin, end), within(path, begin, end))}
@@ -97,13 +98,13 @@ def growth(figures):
 
 
 def measure(out, run, program):
-    print("round  frames  localised  frame ms  tracking ms  keyframes made  memory MB"
+    print("round  frames  localised  frame ms  tracking ms  decoding ms  keyframes made  memory MB"
           "  median MB  ATE m")
     figures = []
     for f in rounds(out, run, program):
         figures.append(f)
         print(f"{f['round']:5}  {f['frames']:6}  {f['localised']:9}  {f['frame_ms']:8.1f}"
-              f"  {f['tracking_ms']:11.2f}  {f['keyframes']:14}  {f['most_mb']:9.1f}"
+              f"  {f['tracking_ms']:11.2f}  {f['decode_ms']:11.2f}  {f['keyframes']:14}  {f['most_mb']:9.1f}"
               f"  {f['median_mb']:9.1f}  {f['ate']:.4f}")
     if len(figures) > 4:
         print(f"memory grows by {growth(figures):.3f} MB a round over the second half")
