@@ -7,7 +7,7 @@
 #include "apps/commands.h"
 #include "apps/demo/demo.h"
 #include "apps/progress.h"
-#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 

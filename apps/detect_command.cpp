@@ -14,7 +14,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "apps/commands.h"
-#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/error.h"
 
 namespace dkp_slam::apps {

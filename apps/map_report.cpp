@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "dkp_slam/map/map_rows.h"
+#include "dkp_slam/map_file/map_rows.h"
 
 namespace dkp_slam::apps {
 namespace {

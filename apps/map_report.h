@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dkp_slam/geometry/stamped_pose.h"
-#include "dkp_slam/map/map_file.h"
+#include "dkp_slam/map_file/map_file.h"
 
 namespace dkp_slam::apps {
 

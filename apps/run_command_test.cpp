@@ -14,7 +14,7 @@
 
 #include "apps/test_program.h"
 #include "apps/test_sequence.h"
-#include "dkp_slam/detection/tiny_onnx.h"
+#include "dkp_slam/detection/yolox/tiny_onnx.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 
 namespace dkp_slam {

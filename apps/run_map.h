@@ -4,8 +4,8 @@
 #include <memory>
 #include <optional>
 
-#include "dkp_slam/map/map_file.h"
-#include "dkp_slam/map/map_writer.h"
+#include "dkp_slam/map_file/map_file.h"
+#include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/system/slam.h"
 
 namespace dkp_slam::apps {

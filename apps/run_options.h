@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/dynamics/frame_dynamics.h"
 
 namespace dkp_slam::apps {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "dkp_slam/detection/recorded_detector.h"
-#include "dkp_slam/detection/true_detections.h"
+#include "dkp_slam/synth/true_detections.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dkp_slam/geometry/stamped_pose.h"
-#include "dkp_slam/sensor/synthetic/source.h"
+#include "dkp_slam/synth/source.h"
 
 namespace dkp_slam::apps {
 

@@ -14,7 +14,7 @@
 #include "apps/sequence_writer.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
-#include "dkp_slam/sensor/synthetic/source.h"
+#include "dkp_slam/synth/source.h"
 #include "dkp_slam/version.h"
 
 namespace dkp_slam::apps {

@@ -12,7 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/dynamics/dynamics_module.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/mask_score.h"

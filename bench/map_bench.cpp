@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "dkp_slam/map/map_writer.h"
+#include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/map/test_map.h"
 
 namespace dkp_slam {

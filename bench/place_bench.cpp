@@ -11,11 +11,11 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
-#include "dkp_slam/loop/place_index.h"
+#include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/system/slam.h"
-#include "dkp_slam/tracking/relocalizer.h"
+#include "dkp_slam/localization/relocalizer.h"
 
 namespace dkp_slam {
 namespace {

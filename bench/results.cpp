@@ -18,7 +18,7 @@
 #include "bench/results/figures.h"
 #include "bench/results/measure.h"
 #include "bench/results/report.h"
-#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/machine.h"
 #include "dkp_slam/export/atomic_file.h"

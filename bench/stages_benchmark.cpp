@@ -15,7 +15,7 @@
 #include "dkp_slam/optimization/bundle_adjustment.h"
 #include "dkp_slam/optimization/pose_optimizer.h"
 #include "dkp_slam/optimization/test_scene.h"
-#include "dkp_slam/sensor/synthetic/source.h"
+#include "dkp_slam/synth/source.h"
 
 namespace dkp_slam {
 namespace {

@@ -4,7 +4,7 @@
     motion_spectrum.py [--sphere] FILE...
 
 For every file: means, speeds, and a table (rows: octaves from 0.04 Hz; columns: the six degrees of
-freedom) of root mean squares. The tables of dkp_slam/sensor/synthetic/hand_motion.cpp are its
+freedom) of root mean squares. The tables of dkp_slam/synth/path/recorded_motion.cpp are its
 output for the benchmark's freiburg3 sequences. Degrees of freedom, in a world with z up:
 sideways, ahead and up in metres, or with --sphere azimuth and elevation (radians) and distance
 (metres) around the point that the camera looks at; then yaw, pitch and roll of the view, radians

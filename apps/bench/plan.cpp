@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/camera_choice.h"
-#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/fingerprint.h"
 

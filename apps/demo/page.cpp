@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/demo/demo.h"
-#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/evaluation/report/html.h"
 
 namespace dkp_slam::apps {

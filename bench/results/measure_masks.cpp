@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "bench/results/measure.h"
-#include "dkp_slam/detection/detector_factory.h"
+#include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/mask_score.h"
 #include "dkp_slam/evaluation/measure/fingerprint.h"

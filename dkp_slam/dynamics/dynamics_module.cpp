@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/dynamics/depth_view.h"
+#include "dkp_slam/dynamics/masks/depth_view.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/stopwatch.h"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "dkp_slam/loop/place_index.h"
+#include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/map/map.h"
 
 namespace dkp_slam {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "dkp_slam/loop/place_joining.h"
-#include "dkp_slam/tracking/relocalizer.h"
+#include "dkp_slam/localization/relocalizer.h"
 
 namespace dkp_slam {
 namespace {

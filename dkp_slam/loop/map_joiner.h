@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "dkp_slam/loop/place_index.h"
+#include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/optimization/observation.h"
 

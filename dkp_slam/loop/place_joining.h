@@ -2,7 +2,7 @@
 
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/optimization/observation.h"
-#include "dkp_slam/tracking/frame.h"
+#include "dkp_slam/localization/frame.h"
 
 namespace dkp_slam {
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "dkp_slam/mapping/local_bundle.h"
-#include "dkp_slam/tracking/test_world.h"
+#include "dkp_slam/localization/test_world.h"
 
 namespace dkp_slam {
 namespace {

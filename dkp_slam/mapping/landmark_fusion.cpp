@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dkp_slam/tracking/pose_refinement.h"
+#include "dkp_slam/localization/pose_refinement.h"
 
 namespace dkp_slam {
 namespace {

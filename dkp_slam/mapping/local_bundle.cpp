@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dkp_slam/tracking/pose_refinement.h"
+#include "dkp_slam/localization/pose_refinement.h"
 
 namespace dkp_slam {
 namespace {

@@ -4,12 +4,12 @@
 #include <optional>
 
 #include "dkp_slam/loop/loop_closer.h"
-#include "dkp_slam/loop/place_index.h"
+#include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/mapping/bundle_worker.h"
 #include "dkp_slam/mapping/full_adjustment.h"
 #include "dkp_slam/mapping/local_bundle.h"
-#include "dkp_slam/tracking/frame.h"
+#include "dkp_slam/localization/frame.h"
 
 namespace dkp_slam {
 

@@ -8,7 +8,7 @@
 
 #include "dkp_slam/dynamics/dynamics_module.h"
 #include "dkp_slam/geometry/stamped_pose.h"
-#include "dkp_slam/loop/place_index.h"
+#include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/mapping/mapper.h"
 #include "dkp_slam/system/front_end.h"
 #include "dkp_slam/tracking/tracker.h"

@@ -4,9 +4,9 @@
 
 #include <spdlog/spdlog.h>
 
-#include "dkp_slam/tracking/matcher.h"
-#include "dkp_slam/tracking/pose_refinement.h"
-#include "dkp_slam/tracking/relocalizer.h"
+#include "dkp_slam/localization/matcher.h"
+#include "dkp_slam/localization/pose_refinement.h"
+#include "dkp_slam/localization/relocalizer.h"
 
 namespace dkp_slam {
 Tracker::Tracker(Map& map, const PlaceIndex& places, Mapper& mapper, const MeasurementModel& model,

@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
-#include "dkp_slam/loop/place_index.h"
+#include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/mapping/mapper.h"
 #include "dkp_slam/optimization/observation.h"
-#include "dkp_slam/tracking/frame.h"
-#include "dkp_slam/tracking/matcher.h"
+#include "dkp_slam/localization/frame.h"
+#include "dkp_slam/localization/matcher.h"
 
 namespace dkp_slam {
 

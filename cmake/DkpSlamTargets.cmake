@@ -1,0 +1,55 @@
+# How the folders of dkp_slam/ become CMake targets.
+#
+# Every folder is a library of its own. Its headers reach other targets through a folder of links,
+# build/views/NAME, that holds no others: whoever does not link a library cannot include its
+# headers, so that an include against the order of docs/architecture.md does not build.
+
+# dkp_slam_library(NAME [SOURCES file...] [USES folder-target...] [LINK library...] [PRIVATE library...])
+#   NAME     of the folder under dkp_slam/, "/" as "_": target dkp_slam_NAME
+#   USES     other folders whose headers this one may include
+#   LINK     outside libraries that its headers need; PRIVATE, that only its sources need
+function(dkp_slam_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;USES;LINK;PRIVATE")
+  set(view ${CMAKE_BINARY_DIR}/views/${name})
+  file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.h)
+  file(REMOVE_RECURSE ${view})
+  file(MAKE_DIRECTORY ${view}/${folder})
+  foreach(header ${headers})
+    get_filename_component(file ${header} NAME)
+    file(CREATE_LINK ${header} ${view}/${folder}/${file} SYMBOLIC)
+  endforeach()
+
+  set(target dkp_slam_${name})
+  list(TRANSFORM arg_USES PREPEND dkp_slam_)
+  if(arg_SOURCES)
+    add_library(${target} STATIC ${arg_SOURCES})
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_include_directories(${target} PUBLIC ${view})
+    target_link_libraries(${target} PUBLIC ${arg_USES} ${arg_LINK} PRIVATE ${arg_PRIVATE})
+  else()
+    add_library(${target} INTERFACE)
+    target_include_directories(${target} INTERFACE ${view})
+    target_link_libraries(${target} INTERFACE ${arg_USES} ${arg_LINK})
+  endif()
+endfunction()
+
+# dkp_slam_test(NAME [AT_ONCE] source...): one test program per folder, its cases known to ctest one
+# by one, or all AT_ONCE where they share what takes long to make. Tests may include anything.
+function(dkp_slam_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "AT_ONCE" "" "")
+  if(NOT DKP_SLAM_TESTS)
+    return()
+  endif()
+  add_executable(${name} ${arg_UNPARSED_ARGUMENTS})
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE dkp_slam_everything GTest::gtest GTest::gmock_main
+                        opencv_imgcodecs opencv_calib3d opencv_video nlohmann_json::nlohmann_json
+                        spdlog::spdlog)
+  if(arg_AT_ONCE)
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES TIMEOUT 900)
+  else()
+    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+  endif()
+endfunction()

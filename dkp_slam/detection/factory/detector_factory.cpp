@@ -1,0 +1,140 @@
+#include "dkp_slam/detection/factory/detector_factory.h"
+
+#include <array>
+#include <cstdlib>
+#include <utility>
+#include <vector>
+
+#include <spdlog/spdlog.h>
+
+#include "dkp_slam/detection/yolox/yolox_network.h"
+#include "dkp_slam/error.h"
+
+namespace dkp_slam {
+namespace fs = std::filesystem;
+namespace {
+
+class YoloxDetector : public Detector {
+ public:
+  YoloxDetector(std::unique_ptr<YoloxNetwork> network, YoloxOptions options)
+      : network_(std::move(network)), options_(std::move(options)) {
+    network_->run();
+  }
+
+  std::string name() const override { return "yolox (" + network_->name() + ")"; }
+
+  std::vector<Detection> detect(const RgbdFrame& frame) override {
+    if (frame.colour.empty() || frame.colour.type() != CV_8UC3) {
+      throw Error("YOLOX needs a colour image of 3 channels with 8 bits each");
+    }
+    const cv::Size size = network_->input_size();
+    const float factor = yolox::letterbox(frame.colour, size, network_->input(), scratch_);
+    return yolox::decode(network_->run(), size, factor, frame.colour.size(), options_.classes,
+                         options_.decode);
+  }
+
+ private:
+  std::unique_ptr<YoloxNetwork> network_;
+  YoloxOptions options_;
+  cv::Mat scratch_;
+};
+
+std::unique_ptr<YoloxNetwork> load_network(const YoloxOptions& options) {
+#ifdef DKP_SLAM_HAVE_ONNXRUNTIME
+  if (options.backend != YoloxBackend::opencv) return load_yolox_onnxruntime(options);
+#else
+  if (options.backend == YoloxBackend::onnxruntime) {
+    throw Error(
+        "this build has no ONNX Runtime; run scripts/setup.sh and build again, or use "
+        "OpenCV");
+  }
+#endif
+  return load_yolox_opencv(options);
+}
+
+void check(const YoloxOptions& options) {
+  const std::string model = options.model.string();
+  if (!fs::is_regular_file(options.model)) {
+    throw Error("no model file '" + model + "'; " + model_advice());
+  }
+  if (options.threads < 1) throw Error("the detector needs at least 1 thread");
+  const auto share = [](float v) { return v >= 0.0F && v <= 1.0F; };
+  if (!share(options.decode.lowest_score) || !share(options.decode.nms_iou)) {
+    throw Error("the detector's lowest score and overlap must be from 0 to 1");
+  }
+}
+
+std::optional<fs::path> model_in(const fs::path& folder) {
+  for (const char* size : {"nano", "tiny", "s", "m", "l", "x"}) {
+    const fs::path file = folder / (std::string("yolox_") + size + ".onnx");
+    std::error_code ignored;
+    if (fs::is_regular_file(file, ignored)) return file;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::unique_ptr<Detector> make_yolox_detector(const YoloxOptions& options) {
+  check(options);
+  return std::make_unique<YoloxDetector>(load_network(options), options);
+}
+
+std::unique_ptr<Detector> make_detector(const DetectorOptions& options, const Camera& camera) {
+  if (options.kind == DetectorKind::none) return nullptr;
+  std::unique_ptr<Detector> detector;
+  if (options.kind != DetectorKind::motion) {
+    YoloxOptions yolox = options.yolox;
+    const auto model = find_model(yolox.model);
+    if (model) {
+      yolox.model = *model;
+      detector = make_yolox_detector(yolox);
+      spdlog::info("detector: {}, model {}", detector->name(), model->string());
+      return detector;
+    }
+    if (options.kind == DetectorKind::yolox) {
+      throw Error("no YOLOX model found; " + model_advice());
+    }
+    spdlog::info("no YOLOX model found, so the motion detector finds what moves by itself; {}",
+                 model_advice());
+  }
+  detector = std::make_unique<MotionDetector>(camera, options.motion);
+  spdlog::info("detector: {}", detector->name());
+  return detector;
+}
+
+std::optional<fs::path> find_model(const fs::path& wanted) {
+  const char* variable = std::getenv("DKP_SLAM_MODEL");
+  if (!wanted.empty() || (variable != nullptr && *variable != '\0')) {
+    const fs::path file = !wanted.empty() ? wanted : fs::path(variable);
+    if (!fs::is_regular_file(file)) {
+      throw Error("no model file '" + file.string() + "'" +
+                  (wanted.empty() ? " (from DKP_SLAM_MODEL)" : "") + "; " + model_advice());
+    }
+    return file;
+  }
+  std::error_code no_link;
+  const fs::path program = fs::read_symlink("/proc/self/exe", no_link);
+  std::vector<fs::path> folders{fs::path("models")};
+  if (!no_link) folders.push_back(program.parent_path() / "models");
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  const char* home = std::getenv("HOME");
+  if (cache != nullptr && *cache != '\0') {
+    folders.push_back(fs::path(cache) / "dkp-slam");
+  } else if (home != nullptr) {
+    folders.push_back(fs::path(home) / ".cache" / "dkp-slam");
+  }
+  for (const fs::path& folder : folders) {
+    if (const auto file = model_in(folder)) return file;
+  }
+  return std::nullopt;
+}
+
+std::string model_advice() {
+  return "scripts/fetch_model.sh gets one from "
+         "https://github.com/Megvii-BaseDetection/YOLOX/releases/tag/0.1.1rc0 "
+         "(yolox_nano.onnx: sha256 "
+         "c789161ed43c8269fcd4e67c67eeeb4e80c622da2eb296a20bc6007bd18a0b7d)";
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/detection/yolox/yolox_options.h"
+
+namespace dkp_slam {
+
+/// A loaded YOLOX network, whatever library runs it.
+class YoloxNetwork {
+ public:
+  virtual ~YoloxNetwork() = default;
+  /// Library and provider for reports: "ONNX Runtime, cpu".
+  virtual std::string name() const = 0;
+  /// Size of the image it takes.
+  virtual cv::Size input_size() const = 0;
+  /// Where the next input goes: 3 * height * width floats.
+  virtual float* input() = 0;
+  /// Runs the network on `input()`. The result holds yolox::row_count rows of yolox::row_length
+  /// floats and stays valid until the next call. Throws `Error` when the library fails.
+  virtual const float* run() = 0;
+};
+
+/// Loads the model of the options; throws `Error` when the file is no model, or none of YOLOX.
+std::unique_ptr<YoloxNetwork> load_yolox_opencv(const YoloxOptions& options);
+#ifdef DKP_SLAM_HAVE_ONNXRUNTIME
+std::unique_ptr<YoloxNetwork> load_yolox_onnxruntime(const YoloxOptions& options);
+#endif
+
+}  // namespace dkp_slam

@@ -1,0 +1,183 @@
+#include "dkp_slam/dynamics/compensation/box_tracker.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include <opencv2/imgproc.hpp>
+
+namespace dkp_slam {
+namespace {
+
+cv::Rect2f clipped(const cv::Rect2f& box, const cv::Size& image) {
+  return box &
+         cv::Rect2f(0.0F, 0.0F, static_cast<float>(image.width), static_cast<float>(image.height));
+}
+
+/// Box, pixels of the image, around a mask that is not empty.
+cv::Rect2f mask_box(const ObjectMask& mask) {
+  const cv::Rect r = cv::boundingRect(mask.mask) + mask.area.tl();
+  constexpr int step = DepthView::step;
+  return cv::Rect2f(cv::Rect(r.x * step, r.y * step, r.width * step, r.height * step));
+}
+
+/// The part of a carried object's box that an object of the size last seen can fill.
+cv::Rect2f limited(const cv::Rect2f& box, const BoxTracker::Tracked& t,
+                   const BoxTrackerOptions& options) {
+  float growth = options.carried_growth;
+  // What has come nearer looks larger.
+  if (t.seen_depth > 0.0F && t.object.mean_depth > 0.0F) {
+    growth *= std::max(1.0F, t.seen_depth / t.object.mean_depth);
+  }
+  const cv::Size2f size(growth * t.seen_size.width, growth * t.seen_size.height);
+  const cv::Point2f centre = 0.5F * (t.whole_box.tl() + t.whole_box.br());
+  return box & cv::Rect2f(centre - 0.5F * cv::Point2f(size), size);
+}
+
+}  // namespace
+
+float box_iou(const cv::Rect2f& a, const cv::Rect2f& b) {
+  const float common = (a & b).area();
+  const float all = a.area() + b.area() - common;
+  return all > 0.0F ? common / all : 0.0F;
+}
+
+void BoxTracker::predict(double dt, const cv::Size& image,
+                         const std::vector<std::optional<cv::Point2f>>& flow) {
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    Tracked& t = objects_[i];
+    const auto seconds = static_cast<float>(dt);
+    if (i < flow.size() && flow[i] && dt > 0.0) t.velocity = *flow[i] / seconds;
+    t.shift = t.velocity * seconds;
+    t.whole_box += t.shift;
+    t.object.box = clipped(t.whole_box, image);
+    t.object.compensated = true;
+    t.silhouette.release();
+  }
+}
+
+void BoxTracker::update(double time, const cv::Size& image,
+                        const std::vector<Detection>& detections,
+                        const std::vector<std::optional<cv::Point2f>>& flow) {
+  predict(objects_.empty() ? 0.0 : time - last_time_, image, flow);
+  last_time_ = time;
+
+  // Known objects take their detections first, the best agreement first.
+  std::vector<std::tuple<float, std::size_t, std::size_t>> pairs;
+  for (std::size_t o = 0; o < objects_.size(); ++o) {
+    for (std::size_t d = 0; d < detections.size(); ++d) {
+      const Detection& detection = detections[d];
+      const int known_class = objects_[o].object.class_id;
+      // What was only seen to move takes the name of the first detection that fits.
+      const bool same =
+          detection.class_id == known_class ||
+          (known_class == Detection::motion_class && detection.weight >= options_.min_weight);
+      if (detection.weight <= 1.0F || !same) continue;
+      const bool weak_is_enough = options_.compensate && detection.weight >= options_.min_weight;
+      const float needed = weak_is_enough ? options_.continue_score : options_.start_score;
+      if (detection.score < needed) continue;
+      const float iou = box_iou(objects_[o].object.box, detection.box);
+      if (iou > options_.continue_iou) pairs.emplace_back(iou, o, d);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
+    return std::get<0>(a) != std::get<0>(b) ? std::get<0>(a) > std::get<0>(b) : a < b;
+  });
+  std::vector<bool> object_taken(objects_.size(), false);
+  std::vector<bool> detection_taken(detections.size(), false);
+  const auto take = [&](Tracked& t, const Detection& d) {
+    t.object.box = clipped(d.box, image);
+    t.whole_box = d.box;
+    t.object.class_id = d.class_id;
+    t.object.weight = d.weight;
+    t.object.score = d.score;
+    t.object.compensated = false;
+    t.object.last_detected = t.last_confirmed = time;
+    t.silhouette = d.mask;
+    t.detected_box = d.box;
+    t.seen_size = d.box.size();
+    t.seen_depth = 0.0F;
+  };
+  for (const auto& [iou, o, d] : pairs) {
+    if (object_taken[o] || detection_taken[d]) continue;
+    object_taken[o] = detection_taken[d] = true;
+    take(objects_[o], detections[d]);
+  }
+  for (std::size_t d = 0; d < detections.size(); ++d) {
+    if (detection_taken[d] || detections[d].weight <= 1.0F) continue;
+    if (detections[d].score < options_.start_score || detections[d].box.area() <= 0.0F) continue;
+    Tracked fresh;
+    fresh.object.id = next_id_++;
+    take(fresh, detections[d]);
+    objects_.push_back(std::move(fresh));
+  }
+
+  const auto gone = [&](const Tracked& t) {
+    if (!t.object.compensated) return false;
+    if (!options_.compensate || t.object.weight < options_.min_weight) return true;
+    if (time - t.last_confirmed > options_.carry_seconds) return true;
+    if (t.object.box.area() < options_.leaving_share * t.whole_box.area()) return true;
+    return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& other) {
+      return !other.object.compensated && other.object.class_id == t.object.class_id &&
+             (other.object.box & t.object.box).area() >
+                 options_.duplicate_share * t.object.box.area();
+    });
+  };
+  std::vector<bool> flags;
+  flags.reserve(objects_.size());
+  for (const Tracked& t : objects_) flags.push_back(gone(t));
+  remove(flags);
+}
+
+void BoxTracker::set_mask(std::size_t index, const ObjectMask& mask, bool moving) {
+  Tracked& t = objects_[index];
+  t.mask = mask;
+  t.object.mean_depth = mask.mean_depth;
+  t.object.mask_share = mask.share;
+  if (mask.empty()) return;
+  if (!t.object.compensated) t.seen_depth = mask.mean_depth;
+  if (moving) t.last_confirmed = last_time_;
+  if (t.object.compensated) t.object.box = t.whole_box = limited(mask_box(mask), t, options_);
+}
+
+void BoxTracker::add_moving(const ObjectMask& mask) {
+  Tracked fresh;
+  fresh.object.id = next_id_++;
+  fresh.object.class_id = Detection::motion_class;
+  fresh.object.box = fresh.whole_box = mask_box(mask);
+  fresh.object.last_detected = fresh.last_confirmed = last_time_;
+  fresh.object.mean_depth = mask.mean_depth;
+  fresh.object.mask_share = mask.share;
+  fresh.mask = mask;
+  fresh.seen_size = fresh.whole_box.size();
+  fresh.seen_depth = mask.mean_depth;
+  objects_.push_back(std::move(fresh));
+}
+
+void BoxTracker::drop_duplicates() {
+  std::vector<bool> gone(objects_.size(), false);
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const Tracked& t = objects_[i];
+    const int area = t.mask.empty() ? 0 : cv::countNonZero(t.mask.mask);
+    if (area == 0 || !t.object.compensated) continue;
+    for (std::size_t j = 0; j < objects_.size() && !gone[i]; ++j) {
+      const Tracked& other = objects_[j];
+      // Of two carried ones the older stays.
+      const bool stronger = !other.object.compensated || other.object.id < t.object.id;
+      // A mask reaches out of its box over whoever stands beside: that one is not the same.
+      const bool same_place = 2.0F * (other.object.box & t.object.box).area() > t.object.box.area();
+      gone[i] = j != i && !gone[j] && stronger && same_place &&
+                2 * mask_overlap(t.mask, other.mask) > area;
+    }
+  }
+  remove(gone);
+}
+
+void BoxTracker::remove(const std::vector<bool>& gone) {
+  std::vector<Tracked> kept;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (!gone[i]) kept.push_back(std::move(objects_[i]));
+  }
+  objects_ = std::move(kept);
+}
+
+}  // namespace dkp_slam

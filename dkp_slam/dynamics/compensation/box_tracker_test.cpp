@@ -1,0 +1,164 @@
+#include "dkp_slam/dynamics/compensation/box_tracker.h"
+
+#include <gtest/gtest.h>
+
+namespace dkp_slam {
+namespace {
+
+const cv::Size image(640, 480);
+
+Detection person(float x, float score, float y = 100.0F) {
+  Detection d;
+  d.box = {x, y, 100.0F, 250.0F};
+  d.class_id = 0;
+  d.score = score;
+  return d;
+}
+
+TEST(BoxTracker, StartsAboveOneScoreAndContinuesAboveALowerOne) {
+  BoxTracker tracker({});
+  tracker.update(0.0, image, {person(200, 0.2F)}, {});
+  EXPECT_TRUE(tracker.objects().empty());
+  tracker.update(0.1, image, {person(200, 0.5F)}, {});
+  ASSERT_EQ(tracker.objects().size(), 1U);
+  const int id = tracker.objects()[0].object.id;
+  tracker.update(0.2, image, {person(210, 0.12F)}, {});
+  ASSERT_EQ(tracker.objects().size(), 1U);
+  EXPECT_EQ(tracker.objects()[0].object.id, id);
+  EXPECT_FALSE(tracker.objects()[0].object.compensated);
+  EXPECT_FLOAT_EQ(tracker.objects()[0].object.box.x, 210.0F);
+}
+
+TEST(BoxTracker, CarriesABoxThroughABurstOfMissesByTheFlow) {
+  BoxTracker tracker({});
+  tracker.update(0.0, image, {person(200, 0.8F)}, {});
+  for (int i = 1; i <= 30; ++i) {  // a second without detections, 4 px a frame
+    tracker.update(i / 30.0, image, {}, {cv::Point2f(4.0F, 0.0F)});
+    ASSERT_EQ(tracker.objects().size(), 1U) << i;
+    EXPECT_TRUE(tracker.objects()[0].object.compensated);
+    EXPECT_NEAR(tracker.objects()[0].object.box.x, 200.0F + 4.0F * static_cast<float>(i), 1e-2F);
+  }
+  tracker.update(31 / 30.0, image, {person(330, 0.6F)}, {cv::Point2f(4.0F, 0.0F)});
+  ASSERT_EQ(tracker.objects().size(), 1U);
+  EXPECT_EQ(tracker.objects()[0].object.id, 1);
+  EXPECT_FALSE(tracker.objects()[0].object.compensated);
+}
+
+TEST(BoxTracker, GivesUpAfterATimeWhateverTheFrameRate) {
+  for (const double rate : {10.0, 30.0, 60.0}) {
+    BoxTracker tracker({});
+    tracker.update(0.0, image, {person(200, 0.8F)}, {});
+    int frames = 0;
+    while (!tracker.objects().empty() && frames < 1000) {
+      ++frames;
+      tracker.update(frames / rate, image, {}, {cv::Point2f(0.0F, 0.0F)});
+    }
+    EXPECT_NEAR(frames / rate, 1.5, 1.5 / rate) << rate;
+  }
+}
+
+TEST(BoxTracker, GoesOnWithItsOwnVelocityWithoutFlow) {
+  BoxTracker tracker({});
+  tracker.update(0.0, image, {person(200, 0.8F)}, {});
+  tracker.update(0.1, image, {}, {cv::Point2f(10.0F, -5.0F)});
+  tracker.update(0.3, image, {}, {std::nullopt});
+  EXPECT_NEAR(tracker.objects()[0].object.box.x, 230.0F, 1e-3F);
+  EXPECT_NEAR(tracker.objects()[0].object.box.y, 85.0F, 1e-3F);
+}
+
+TEST(BoxTracker, LetsGoOfWhatLeavesTheImage) {
+  BoxTracker tracker({});
+  tracker.update(0.0, image, {person(500, 0.8F)}, {});
+  int frames = 0;
+  while (!tracker.objects().empty() && frames < 100) {
+    ++frames;
+    tracker.update(frames * 0.01, image, {}, {cv::Point2f(20.0F, 0.0F)});
+  }
+  EXPECT_EQ(frames, 7);  // 640 - (500 + 7 * 20) = 0; after 6 frames 20 of 100 px are left
+}
+
+TEST(BoxTracker, DoesNotCarryThingsAndIgnoresFixedOnes) {
+  BoxTracker tracker({});
+  Detection chair = person(50, 0.9F);
+  chair.class_id = 56;
+  chair.weight = 4.0F;
+  Detection table = person(400, 0.9F);
+  table.class_id = 60;
+  table.weight = 1.0F;
+  tracker.update(0.0, image, {chair, table}, {});
+  ASSERT_EQ(tracker.objects().size(), 1U);
+  EXPECT_EQ(tracker.objects()[0].object.class_id, 56);
+  tracker.update(0.03, image, {}, {std::nullopt});
+  EXPECT_TRUE(tracker.objects().empty());
+}
+
+TEST(BoxTracker, KeepsTwoPeopleApart) {
+  BoxTracker tracker({});
+  tracker.update(0.0, image, {person(100, 0.8F), person(350, 0.7F)}, {});
+  tracker.update(0.03, image, {person(345, 0.8F), person(110, 0.7F)}, {});
+  ASSERT_EQ(tracker.objects().size(), 2U);
+  EXPECT_FLOAT_EQ(tracker.objects()[0].object.box.x, 110.0F);
+  EXPECT_FLOAT_EQ(tracker.objects()[1].object.box.x, 345.0F);
+}
+
+TEST(BoxTracker, SeenToMoveIsAsGoodAsDetected) {
+  BoxTracker tracker({});
+  tracker.update(0.0, image, {person(200, 0.8F)}, {});
+  ObjectMask mask;
+  mask.area = {100, 50, 50, 125};
+  mask.mask = cv::Mat(125, 50, CV_8UC1, cv::Scalar(255));
+  mask.mean_depth = 2.0F;
+  for (int i = 1; i <= 20; ++i) {
+    tracker.update(i * 0.1, image, {}, {cv::Point2f(0.0F, 0.0F)});
+    ASSERT_EQ(tracker.objects().size(), 1U) << i;
+    tracker.set_mask(0, mask, true);
+  }
+  EXPECT_EQ(tracker.objects()[0].object.last_detected, 0.0);
+}
+
+/// A mask that fills the box, pixels of the image, at a depth.
+ObjectMask mask_of(const cv::Rect& box, float depth) {
+  ObjectMask mask;
+  constexpr int step = DepthView::step;
+  mask.area = cv::Rect(box.x / step, box.y / step, box.width / step, box.height / step);
+  mask.mask = cv::Mat(mask.area.size(), CV_8UC1, cv::Scalar(255));
+  mask.mean_depth = depth;
+  mask.share = 0.5F;
+  return mask;
+}
+
+TEST(BoxTracker, ACarriedMaskThatRunsOverIntoTheRoomDoesNotTakeTheBoxAlong) {
+  BoxTracker tracker({});
+  tracker.add_moving(mask_of({200, 100, 100, 200}, 2.0F));
+  for (int i = 0; i < 30; ++i) {
+    tracker.update(i / 30.0, image, {}, {cv::Point2f(0.0F, 0.0F)});
+    ASSERT_EQ(tracker.objects().size(), 1U);
+    const cv::Rect2f box = tracker.objects()[0].object.box;
+    const cv::Rect wider(int(box.x) - 20, int(box.y) - 20, int(box.width) + 40,
+                         int(box.height) + 40);
+    tracker.set_mask(0, mask_of(wider & cv::Rect({0, 0}, image), 2.0F), true);
+  }
+  const cv::Rect2f box = tracker.objects()[0].object.box;
+  EXPECT_NEAR(box.width, 130.0F, 4.0F);  // 1.3 times what it was
+  EXPECT_NEAR(box.height, 260.0F, 4.0F);
+  EXPECT_NEAR(box.x + 0.5F * box.width, 250.0F, 4.0F);
+}
+
+TEST(BoxTracker, ACarriedObjectThatComesNearerGrows) {
+  BoxTracker tracker({});
+  tracker.add_moving(mask_of({200, 100, 100, 200}, 3.0F));
+  tracker.update(0.1, image, {}, {cv::Point2f(0.0F, 0.0F)});
+  tracker.set_mask(0, mask_of({150, 0, 200, 400}, 1.5F), true);
+  EXPECT_NEAR(tracker.objects()[0].object.box.width, 200.0F, 2.0F);
+  tracker.update(0.2, image, {}, {cv::Point2f(0.0F, 0.0F)});
+  tracker.set_mask(0, mask_of({150, 0, 200, 400}, 3.0F), true);  // as far off as it was: too large
+  EXPECT_NEAR(tracker.objects()[0].object.box.width, 130.0F, 2.0F);
+}
+
+TEST(BoxIou, KnownValues) {
+  EXPECT_FLOAT_EQ(box_iou({0, 0, 10, 10}, {5, 0, 10, 10}), 50.0F / 150.0F);
+  EXPECT_FLOAT_EQ(box_iou({0, 0, 10, 10}, {20, 0, 10, 10}), 0.0F);
+}
+
+}  // namespace
+}  // namespace dkp_slam

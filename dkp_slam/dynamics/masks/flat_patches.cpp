@@ -1,0 +1,204 @@
+#include "dkp_slam/dynamics/masks/flat_patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "dkp_slam/dynamics/masks/plane.h"
+
+namespace dkp_slam {
+namespace {
+
+class PatchFinder {
+ public:
+  PatchFinder(const DepthView& view, const SegmentMap& map, int label,
+              const FlatPatchOptions& options, std::uint64_t seed)
+      : view_(view), map_(map), label_(label), options_(options), random_(seed) {
+    const cv::Rect& box = map.segments[static_cast<std::size_t>(label - 1)].box;
+    constexpr int stride = 3;
+    for (int y = box.y + 1; y < box.y + box.height; y += stride) {
+      for (int x = box.x + 1; x < box.x + box.width; x += stride) {
+        if (map.labels.at<int>(y, x) == label) samples_.push_back({{x, y}, view.point(x, y)});
+      }
+    }
+    fill_counter();
+  }
+
+  /// The plane with the most samples; their share is a ninth of its pixels.
+  std::optional<Plane> best(int min_samples) {
+    std::optional<Plane> best;
+    // A start may hold less than the patch before it is refined.
+    int best_count = min_samples / 4;
+    for (int i = 0; i < options_.iterations && !samples_.empty(); ++i) {
+      const std::optional<Plane> plane = local_plane();
+      if (!plane) continue;
+      const int count = counter_.count(*plane);
+      if (count <= best_count) continue;
+      best_count = count;
+      best = plane;
+      // Three pixels fix a plane near by only: least squares carry it to the patch's far end.
+      for (int step = 0; step < 3; ++step) {
+        const Plane refined = fit_plane(inliers(*best));
+        const int more = counter_.count(refined);
+        if (more <= best_count) break;
+        best_count = more;
+        best = refined;
+      }
+    }
+    if (best_count < min_samples) return std::nullopt;
+    const double bend = bulge(*best);
+    if (bend > options_.max_bulge) return std::nullopt;
+    if (bend > options_.doubtful_bulge &&
+        counter_.count(*best, 2.0F) > options_.max_widening * best_count) {
+      return std::nullopt;
+    }
+    return best;
+  }
+
+  bool holds(const Plane& plane, const Eigen::Vector3f& p) const {
+    return std::abs(plane.normal.dot(p) - plane.distance) < half_thickness(p.z());
+  }
+
+  void forget(const Plane& plane) {
+    std::erase_if(samples_, [&](const Sample& s) { return holds(plane, s.point); });
+    fill_counter();
+  }
+
+ private:
+  struct Sample {
+    cv::Point pixel;
+    Eigen::Vector3f point;
+  };
+
+  float half_thickness(float z) const {
+    return static_cast<float>(options_.thickness_constant + options_.thickness_quadratic * z * z);
+  }
+
+  /// Curvature of the patch: a paraboloid through the distances from the plane, over pixel
+  /// coordinates that run from -1 to 1 across the patch, in half thicknesses.
+  double bulge(const Plane& plane) const {
+    cv::Point low(map_.labels.cols, map_.labels.rows), high(0, 0);
+    for (const Sample& s : samples_) {
+      if (!holds(plane, s.point)) continue;
+      low = {std::min(low.x, s.pixel.x), std::min(low.y, s.pixel.y)};
+      high = {std::max(high.x, s.pixel.x), std::max(high.y, s.pixel.y)};
+    }
+    using Vector6 = Eigen::Matrix<double, 6, 1>;
+    Eigen::Matrix<double, 6, 6> normal_matrix = Eigen::Matrix<double, 6, 6>::Identity() * 1e-6;
+    Vector6 right = Vector6::Zero();
+    for (const Sample& s : samples_) {
+      if (!holds(plane, s.point)) continue;
+      const double x = (2.0 * s.pixel.x - low.x - high.x) / std::max(1, high.x - low.x);
+      const double y = (2.0 * s.pixel.y - low.y - high.y) / std::max(1, high.y - low.y);
+      const double off = (plane.normal.dot(s.point) - plane.distance) / half_thickness(s.point.z());
+      Vector6 row;
+      row << x * x, x * y, y * y, x, y, 1.0;
+      normal_matrix += row * row.transpose();
+      right += row * off;
+    }
+    return normal_matrix.ldlt().solve(right).head<3>().norm();
+  }
+
+  void fill_counter() {
+    counter_ = {};
+    for (const Sample& s : samples_) counter_.add(s.point, half_thickness(s.point.z()));
+  }
+
+  std::vector<Eigen::Vector3f> inliers(const Plane& plane) const {
+    std::vector<Eigen::Vector3f> points;
+    for (const Sample& s : samples_) {
+      if (holds(plane, s.point)) points.push_back(s.point);
+    }
+    return points;
+  }
+
+  /// Plane through three pixels some way apart: near ones are noise, far ones other things.
+  std::optional<Plane> local_plane() {
+    constexpr int reach = 25;  // pixels of the view
+    const Sample& a = samples_[random_() % samples_.size()];
+    const auto offset = [&] { return static_cast<int>(random_() % (2 * reach + 1)) - reach; };
+    Eigen::Vector3f corner[2];
+    for (Eigen::Vector3f& c : corner) {
+      const cv::Point p = a.pixel + cv::Point(offset(), offset());
+      if (!cv::Rect(0, 0, map_.labels.cols, map_.labels.rows).contains(p)) return std::nullopt;
+      if (map_.labels.at<int>(p) != label_) return std::nullopt;
+      c = view_.point(p.x, p.y);
+    }
+    return plane_through(a.point, corner[0], corner[1]);
+  }
+
+  const DepthView& view_;
+  const SegmentMap& map_;
+  int label_;
+  const FlatPatchOptions& options_;
+  std::mt19937_64 random_;
+  std::vector<Sample> samples_;
+  InlierCounter counter_;  // of the samples
+};
+
+/// The flat patches of one segment, CV_8UC1 of its box's size; empty when there is none.
+cv::Mat patches_of(const DepthView& view, const SegmentMap& map, int label, int min_pixels,
+                   const FlatPatchOptions& options, std::uint64_t seed) {
+  const cv::Rect& box = map.segments[static_cast<std::size_t>(label - 1)].box;
+  PatchFinder finder(view, map, label, options, seed);
+  cv::Mat out;
+  constexpr int pixels_per_sample = 9;
+  for (int n = 0; n < options.max_per_segment; ++n) {
+    const auto plane = finder.best(std::max(8, min_pixels / pixels_per_sample));
+    if (!plane) break;
+    if (out.empty()) out = cv::Mat::zeros(box.size(), CV_8UC1);
+    cv::Mat patch = cv::Mat::zeros(box.size(), CV_8UC1);
+    for (int y = 0; y < box.height; ++y) {
+      for (int x = 0; x < box.width; ++x) {
+        const cv::Point p = cv::Point(x, y) + box.tl();
+        if (map.labels.at<int>(p) != label || !finder.holds(*plane, view.point(p.x, p.y))) continue;
+        patch.at<std::uint8_t>(y, x) = 255;
+      }
+    }
+    // Where a plane cuts through a body it leaves stripes: the opening drops them.
+    cv::Mat core, labels, stats, centroids;
+    const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {7, 7});
+    cv::morphologyEx(patch, core, cv::MORPH_OPEN, square);
+    const int blobs = cv::connectedComponentsWithStats(core, labels, stats, centroids, 8, CV_16U);
+    for (int b = 1; b < blobs; ++b) {
+      if (stats.at<int>(b, cv::CC_STAT_AREA) < min_pixels) continue;
+      cv::Mat blob = labels == b;
+      cv::dilate(blob, blob, cv::getStructuringElement(cv::MORPH_RECT, {5, 5}));
+      out.setTo(255, blob);
+    }
+    finder.forget(*plane);
+  }
+  return out;
+}
+
+}  // namespace
+
+cv::Mat find_flat_patches(const DepthView& view, const SegmentMap& map, double focal_length,
+                          const FlatPatchOptions& options, std::uint64_t seed) {
+  std::vector<cv::Mat> patches(map.segments.size());
+  // Each segment has its own seed and place for the result: the threads' order does not matter.
+  cv::parallel_for_({0, static_cast<int>(patches.size())}, [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      const Segment& s = map.segments[static_cast<std::size_t>(i)];
+      const double z = static_cast<double>(s.mean_depth);
+      const double pixel_side = z * DepthView::step / focal_length;
+      const auto min_pixels = static_cast<int>(options.min_area / (pixel_side * pixel_side));
+      if (z > options.max_depth || s.area < 2 * min_pixels) continue;
+      patches[static_cast<std::size_t>(i)] =
+          patches_of(view, map, i + 1, min_pixels, options, seed + static_cast<std::uint64_t>(i));
+    }
+  });
+  cv::Mat out = cv::Mat::zeros(view.depth.size(), CV_8UC1);
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    if (!patches[i].empty()) out(map.segments[i].box) |= patches[i];
+  }
+  return out;
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/dynamics/masks/depth_view.h"
+
+namespace dkp_slam {
+
+struct SegmentOptions {
+  /// Depth step between neighbouring pixels that still belong to one surface, metres at depth z:
+  /// constant + quadratic * z^2, which grows as a Kinect's noise and rounding do.
+  double step_constant = 0.010;
+  double step_quadratic = 0.005;
+  /// A surface is flat when its points lie off their best plane by less than this (root mean
+  /// square, constant + quadratic * z^2, metres): a monitor or a wall, not a body.
+  double flat_constant = 0.010;
+  double flat_quadratic = 0.0012;
+  int flat_area = 300;  ///< pixels of the view: smaller pieces of a body may well be flat
+};
+
+/// A piece of surface without a step in depth.
+struct Segment {
+  int area = 0;             ///< pixels of the view
+  cv::Rect box;             ///< pixels of the view
+  float mean_depth = 0.0F;  ///< metres
+  bool flat = false;        ///< lies on a plane of its own
+  int moving = 0;           ///< features on it that moved against the static world
+  int still = 0;            ///< features on it that did not
+
+  /// Enough features say so, and few say otherwise.
+  bool proved_moving() const { return moving >= 4 && moving > 2 * still; }
+  bool proved_still() const { return still >= 4 && still > 3 * moving; }
+};
+
+struct SegmentMap {
+  cv::Mat labels;  ///< CV_32SC1, view size: 0 for none, i + 1 for segments[i]
+  std::vector<Segment> segments;
+};
+
+/// Connected surfaces of the view outside `excluded` (CV_8UC1, view size, anything but 0; may be
+/// empty).
+SegmentMap segment_surfaces(const DepthView& view, const cv::Mat& excluded,
+                            const SegmentOptions& options);
+
+/// Index of the segment at, or within 2 pixels of, a pixel of the view; the nearest in depth to the
+/// camera where several are; -1 for none.
+int segment_near(const SegmentMap& map, int x, int y);
+
+}  // namespace dkp_slam

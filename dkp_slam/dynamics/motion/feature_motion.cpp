@@ -1,0 +1,229 @@
+#include "dkp_slam/dynamics/motion/feature_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "dkp_slam/geometry/rolling_shutter.h"
+
+namespace dkp_slam {
+namespace {
+
+constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+
+float depth_at(const cv::Mat& depth, const cv::Point2f& p) {
+  return depth.at<float>(std::clamp(cvRound(p.y), 0, depth.rows - 1),
+                         std::clamp(cvRound(p.x), 0, depth.cols - 1));
+}
+
+/// Nearest and farthest known depth within `reach` pixels; {0, 0} where there is none.
+std::pair<double, double> depths_around(const cv::Mat& depth, const cv::Point2f& p, float reach) {
+  double near = 0.0, far = 0.0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const double z = static_cast<double>(
+          depth_at(depth, p + reach * cv::Point2f(static_cast<float>(dx), static_cast<float>(dy))));
+      if (z <= 0.0) continue;
+      near = near > 0.0 ? std::min(near, z) : z;
+      far = std::max(far, z);
+    }
+  }
+  return {near, far};
+}
+
+Eigen::Vector2d vector_of(const cv::Point2f& p) { return {p.x, p.y}; }
+
+}  // namespace
+
+/// The camera's velocity at a step's moment, tangent per second: the mean of the motions into it
+/// and out of it, for the newest step extrapolated from the last two. Zero where none is known.
+Vector6d FeatureMotionEstimator::velocity_at(std::size_t step) const {
+  const auto into = [&](std::size_t k) -> std::optional<Vector6d> {
+    if (k + 1 >= steps_.size() || !steps_[k].previous_from_this) return std::nullopt;
+    const double passed = steps_[k].time - steps_[k + 1].time;
+    if (passed <= 0.0) return std::nullopt;
+    return steps_[k].previous_from_this->inverse().log() / passed;
+  };
+  const std::optional<Vector6d> here = into(step);
+  if (step == 0) {
+    const std::optional<Vector6d> before = into(1);
+    if (here && before) return *here + 0.5 * (*here - *before);
+    return here ? *here : before ? *before : Vector6d::Zero();
+  }
+  const std::optional<Vector6d> next = into(step - 1);
+  if (here && next) return 0.5 * (*here + *next);
+  return here ? *here : next ? *next : Vector6d::Zero();
+}
+
+/// Raw pixels of a step's image, `seen` undistorted, as at its middle row's moment; their depths
+/// are read from the newest depth image at `depth_from`.
+std::vector<cv::Point2f> FeatureMotionEstimator::straight(
+    const std::vector<cv::Point2f>& raw, const std::vector<cv::Point2f>& seen, const cv::Mat& depth,
+    const std::vector<cv::Point2f>& depth_from, std::size_t step) const {
+  std::vector<cv::Point2f> flat = seen;
+  if (camera_.readout <= 0.0) return flat;
+  const Vector6d velocity = velocity_at(step);
+  for (std::size_t i = 0; i < flat.size(); ++i) {
+    flat[i] = at_middle_row(camera_, flat[i], raw[i].y, depth_at(depth, depth_from[i]), velocity);
+  }
+  return flat;
+}
+
+std::vector<cv::Point2f> FeatureMotionEstimator::predict(
+    const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+    const std::vector<cv::Point2f>& flat) const {
+  if (steps_.size() < 2 || !steps_[1].previous_from_this) return points;
+  const Se3& previous_from_this = *steps_[1].previous_from_this;
+  std::vector<cv::Point2f> guess = points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double known = static_cast<double>(depth_at(depth, points[i]));
+    constexpr double typical = 3.0;  // metres: what has no depth is mostly far
+    const double z = known > 0.0 ? known : typical;
+    const Eigen::Vector3d q = previous_from_this * camera_.unproject(vector_of(flat[i]), z);
+    if (q.z() < camera_.min_depth) continue;
+    const Eigen::Vector2d raw = camera_.distort(camera_.project(q));
+    if (raw.x() < 0 || raw.y() < 0 || raw.x() >= depth.cols || raw.y() >= depth.rows) continue;
+    guess[i] = {static_cast<float>(raw.x()), static_cast<float>(raw.y())};
+  }
+  return guess;
+}
+
+FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& depth,
+                                            const std::vector<cv::Point2f>& points, double time) {
+  flow_.push(grey);
+  steps_.push_front({time, std::nullopt});
+  while (static_cast<int>(steps_.size()) > options_.flow.history + 1) steps_.pop_back();
+  FeatureMotion motion;
+  motion.seen_now = camera_.undistort(points);
+  motion.now = straight(points, motion.seen_now, depth, points, 0);
+  motion.tracks.previous = points;
+  motion.tracks.tracked.assign(points.size(), 0);
+  if (flow_.earlier_frames() > 0) {
+    motion.tracks = flow_.track(points, 1, predict(depth, points, motion.now));
+  }
+  motion.seen_then = camera_.undistort(motion.tracks.previous);
+  motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
+  motion.residual.assign(points.size(), unknown);
+  motion.long_residual.assign(points.size(), unknown);
+  return motion;
+}
+
+double FeatureMotionEstimator::residual_at(const cv::Mat& depth, const cv::Point2f& raw,
+                                           const cv::Point2f& now, const cv::Point2f& then,
+                                           const cv::Point2f& flow,
+                                           const Se3& then_from_now) const {
+  constexpr double least = 2.0;  // pixels: depth images are that ragged at edges
+  const double reach =
+      std::clamp(options_.depth_lag * std::hypot(flow.x, flow.y), least, options_.max_lag_pixels);
+  auto [near, far] = depths_around(depth, raw, static_cast<float>(reach));
+  if (near <= 0.0) {
+    near = camera_.min_depth;
+    far = std::numeric_limits<double>::infinity();
+  }
+  return motion_residual_between(camera_, then_from_now, vector_of(now), vector_of(then), near,
+                                 far);
+}
+
+Se3 FeatureMotionEstimator::current_from_previous() const {
+  for (std::size_t k = 0; k < 2 && k < steps_.size(); ++k) {
+    if (steps_[k].previous_from_this) return steps_[k].previous_from_this->inverse();
+  }
+  return {};
+}
+
+/// Motion from the features flagged low, or from all where those are too few.
+std::optional<CameraMotion> FeatureMotionEstimator::camera_motion(
+    const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+    const std::vector<std::uint8_t>& low, const Se3& guess, const MotionOptions& options,
+    std::uint64_t seed, FeatureMotion& motion) const {
+  std::vector<MotionPoint> low_points, all_points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (motion.tracks.tracked[i] == 0) continue;
+    const auto z = static_cast<double>(depth_at(depth, points[i]));
+    if (z <= 0.0) continue;
+    const MotionPoint observed{camera_.unproject(vector_of(motion.now[i]), z),
+                               vector_of(motion.then[i])};
+    all_points.push_back(observed);
+    if (low[i] != 0) low_points.push_back(observed);
+  }
+  motion.from_low_points = static_cast<int>(low_points.size()) >= options_.min_low_points;
+  return estimate_motion(camera_, motion.from_low_points ? low_points : all_points, guess, options,
+                         seed);
+}
+
+void FeatureMotionEstimator::compensate(const cv::Mat& depth,
+                                        const std::vector<cv::Point2f>& points,
+                                        const std::vector<std::uint8_t>& low, std::uint64_t seed,
+                                        FeatureMotion& motion) {
+  Se3 guess;  // the camera goes on as it moved before
+  if (steps_.size() > 1 && steps_[1].previous_from_this) guess = *steps_[1].previous_from_this;
+  motion.camera_motion = camera_motion(depth, points, low, guess, options_.motion, seed, motion);
+  if (!motion.camera_motion) return;
+  steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
+  if (camera_.readout > 0.0) {
+    // The motion tells what the rolling shutter did, and that refines the motion.
+    motion.now = straight(points, motion.seen_now, depth, points, 0);
+    motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
+    MotionOptions refinement = options_.motion;
+    refinement.iterations = 0;
+    const auto refined = camera_motion(depth, points, low, *steps_.front().previous_from_this,
+                                       refinement, seed, motion);
+    if (refined) motion.camera_motion = refined;
+    steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
+  }
+  const Se3& previous_from_this = motion.camera_motion->previous_from_current;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (motion.tracks.tracked[i] == 0) continue;
+    const cv::Point2f flow = motion.then[i] - motion.now[i];
+    motion.residual[i] = static_cast<float>(
+        residual_at(depth, points[i], motion.now[i], motion.then[i], flow, previous_from_this));
+  }
+}
+
+void FeatureMotionEstimator::look_back(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                                       const std::vector<std::uint8_t>& wanted,
+                                       FeatureMotion& motion) const {
+  // Steps back whose age is nearest to the baseline, over a chain of known motions.
+  Se3 earlier_from_now;
+  int frames_back = 0;
+  Se3 chain;
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k + 1 < steps_.size() && steps_[k].previous_from_this; ++k) {
+    chain = *steps_[k].previous_from_this * chain;
+    const double off = std::abs(steps_.front().time - steps_[k + 1].time - options_.long_baseline);
+    if (off >= best) continue;
+    best = off;
+    frames_back = static_cast<int>(k) + 1;
+    earlier_from_now = chain;
+  }
+  if (frames_back < 2) return;
+  std::vector<cv::Point2f> from, guess;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float z = depth_at(depth, points[i]);
+    if (wanted[i] == 0 || z <= 0.0F) continue;
+    const Eigen::Vector3d q =
+        earlier_from_now * camera_.unproject(vector_of(motion.now[i]), static_cast<double>(z));
+    if (q.z() < camera_.min_depth) continue;
+    const Eigen::Vector2d raw = camera_.distort(camera_.project(q));
+    if (raw.x() < 0 || raw.y() < 0 || raw.x() >= depth.cols || raw.y() >= depth.rows) continue;
+    from.push_back(points[i]);
+    guess.emplace_back(static_cast<float>(raw.x()), static_cast<float>(raw.y()));
+    index.push_back(i);
+  }
+  if (from.empty()) return;
+  const FlowResult tracks = flow_.track(from, frames_back, guess);
+  const std::vector<cv::Point2f> then =
+      straight(tracks.previous, camera_.undistort(tracks.previous), depth, from,
+               static_cast<std::size_t>(frames_back));
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (tracks.tracked[i] == 0) continue;
+    // The lag is between images of one frame: flow per frame counts, not over the baseline.
+    const cv::Point2f flow =
+        (then[i] - motion.now[index[i]]) * (1.0F / static_cast<float>(frames_back));
+    motion.long_residual[index[i]] = static_cast<float>(
+        residual_at(depth, from[i], motion.now[index[i]], then[i], flow, earlier_from_now));
+  }
+}
+
+}  // namespace dkp_slam

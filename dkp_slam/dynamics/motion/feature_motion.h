@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/dynamics/motion/flow.h"
+#include "dkp_slam/dynamics/motion/motion_check.h"
+#include "dkp_slam/geometry/camera.h"
+
+namespace dkp_slam {
+
+struct FeatureMotionOptions {
+  FlowOptions flow;
+  MotionOptions motion;
+  /// The longer baseline, seconds: somebody who sways at 5 cm/s a metre away moves 1 px from one
+  /// frame to the next, which is noise, and 3 px in this time.
+  double long_baseline = 0.13;
+  /// Colour and depth of one frame are up to this share of a frame interval apart (20 of 33 ms with
+  /// a freiburg1 camera): where there is an edge within that much of the flow, depth may be of
+  /// either side.
+  double depth_lag = 0.6;
+  double max_lag_pixels = 8.0;  ///< and no farther than this, or everything has two depths
+  int min_low_points = 30;      ///< fewer outside the boxes: all points give the camera motion
+};
+
+/// What flow says about the features of the newest frame. Vectors run parallel to the features.
+struct FeatureMotion {
+  FlowResult tracks;                             ///< into the frame before, raw pixels
+  std::vector<cv::Point2f> seen_now, seen_then;  ///< undistorted pixels
+  std::vector<cv::Point2f> now, then;            ///< the same, as a global shutter would see them
+  std::optional<CameraMotion> camera_motion;
+  bool from_low_points = false;      ///< camera_motion rests on what lies outside the boxes alone
+  std::vector<float> residual;       ///< pixels off the static prediction, NaN where unknown
+  std::vector<float> long_residual;  ///< the same over the longer baseline
+};
+
+/// Follows features over recent frames and compares them with a static world.
+class FeatureMotionEstimator {
+ public:
+  FeatureMotionEstimator(const Camera& camera, const FeatureMotionOptions& options)
+      : camera_(camera), options_(options), flow_(options.flow) {}
+
+  /// Takes the newest frame and tracks its features (raw pixels) one frame back.
+  /// Starts where the camera's last motion would take them, were they static.
+  FeatureMotion track(const cv::Mat& grey, const cv::Mat& depth,
+                      const std::vector<cv::Point2f>& points, double time);
+  /// The camera's motion into the newest frame from the one before, as far as it is known:
+  /// measured, else that of the frame before, else none.
+  Se3 current_from_previous() const;
+  /// Fills camera_motion from the features flagged low, and `residual`.
+  void compensate(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                  const std::vector<std::uint8_t>& low, std::uint64_t seed, FeatureMotion& motion);
+  /// Fills `long_residual` of the features flagged `wanted` that have a depth.
+  void look_back(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                 const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;
+
+ private:
+  struct Step {
+    double time = 0.0;
+    std::optional<Se3> previous_from_this;
+  };
+  std::vector<cv::Point2f> predict(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                                   const std::vector<cv::Point2f>& flat) const;
+  std::optional<CameraMotion> camera_motion(const cv::Mat& depth,
+                                            const std::vector<cv::Point2f>& points,
+                                            const std::vector<std::uint8_t>& low, const Se3& guess,
+                                            const MotionOptions& options, std::uint64_t seed,
+                                            FeatureMotion& motion) const;
+  Vector6d velocity_at(std::size_t step) const;
+  std::vector<cv::Point2f> straight(const std::vector<cv::Point2f>& raw,
+                                    const std::vector<cv::Point2f>& seen, const cv::Mat& depth,
+                                    const std::vector<cv::Point2f>& depth_from,
+                                    std::size_t step) const;
+  double residual_at(const cv::Mat& depth, const cv::Point2f& raw, const cv::Point2f& now,
+                     const cv::Point2f& then, const cv::Point2f& flow,
+                     const Se3& then_from_now) const;
+
+  Camera camera_;
+  FeatureMotionOptions options_;
+  BackwardFlow flow_;
+  std::deque<Step> steps_;  // newest first, parallel to the flow's frames
+};
+
+}  // namespace dkp_slam

@@ -1,0 +1,165 @@
+#include "dkp_slam/dynamics/motion/motion_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <span>
+
+#include <Eigen/Cholesky>
+
+namespace dkp_slam {
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+constexpr double min_z = 0.05;  // metres: nearer than any sensor reads
+
+/// One Gauss-Newton step on weighted reprojection errors; weight of a residual by Tukey's biweight
+/// with the given cut (pixels), 1 for an infinite one. False when the points do not fix the motion.
+bool gauss_newton_step(const Camera& camera, std::span<const MotionPoint* const> points, double cut,
+                       Se3& motion) {
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
+  for (const MotionPoint* p : points) {
+    const Eigen::Vector3d q = rotation * p->point + motion.translation;
+    if (q.z() < min_z) continue;
+    const Eigen::Vector2d error = camera.project(q) - p->previous;
+    double weight = 1.0;
+    if (std::isfinite(cut)) {
+      const double r = error.squaredNorm() / (cut * cut);
+      if (r >= 1.0) continue;
+      weight = (1.0 - r) * (1.0 - r);
+    }
+    const double iz = 1.0 / q.z();
+    const double a = camera.fx * iz, b = -camera.fx * q.x() * iz * iz;
+    const double c = camera.fy * iz, d = -camera.fy * q.y() * iz * iz;
+    // Left update exp(delta) * motion: d q / d delta = [I, -skew(q)].
+    Vector6d u, v;
+    u << a, 0.0, b, b * q.y(), a * q.z() - b * q.x(), -a * q.y();
+    v << 0.0, c, d, -c * q.z() + d * q.y(), -d * q.x(), c * q.x();
+    hessian.noalias() += weight * (u * u.transpose() + v * v.transpose());
+    gradient.noalias() += weight * (u * error.x() + v * error.y());
+  }
+  hessian.diagonal().array() += 1e-9;
+  const Eigen::LDLT<Matrix6d> solver(hessian);
+  if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
+  const Vector6d step = -solver.solve(gradient);
+  constexpr double wild = 1.0;  // metre or radian: not between two frames
+  if (!step.allFinite() || step.norm() > wild) return false;
+  motion = Se3::exp(step) * motion;
+  return true;
+}
+
+double squared_residual(const Camera& camera, const Eigen::Matrix3d& rotation,
+                        const Eigen::Vector3d& translation, const MotionPoint& point) {
+  const Eigen::Vector3d q = rotation * point.point + translation;
+  if (q.z() < min_z) return std::numeric_limits<double>::infinity();
+  return (camera.project(q) - point.previous).squaredNorm();
+}
+
+/// Truncated squared error over the scored points (MSAC: Torr and Zisserman 2000).
+double score(const Camera& camera, const Se3& motion, std::span<const MotionPoint* const> points,
+             double limit, double best) {
+  const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
+  double cost = 0.0;
+  for (const MotionPoint* p : points) {
+    cost += std::min(limit, squared_residual(camera, rotation, motion.translation, *p));
+    if (cost >= best) break;
+  }
+  return cost;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::optional<CameraMotion> estimate_motion(const Camera& camera,
+                                            const std::vector<MotionPoint>& points,
+                                            const Se3& guess, const MotionOptions& options,
+                                            std::uint64_t seed) {
+  if (static_cast<int>(points.size()) < options.min_points) return std::nullopt;
+  std::vector<const MotionPoint*> all;
+  for (const MotionPoint& p : points) all.push_back(&p);
+  std::mt19937_64 random(seed);
+  // A fixed stride spreads the scored points as the features are spread.
+  std::vector<const MotionPoint*> scored;
+  const std::size_t stride =
+      1 + (all.size() - 1) / static_cast<std::size_t>(std::max(1, options.max_scored));
+  for (std::size_t i = 0; i < all.size(); i += stride) scored.push_back(all[i]);
+
+  const double limit = options.inlier_distance * options.inlier_distance;
+  Se3 best = guess;
+  double best_cost = score(camera, guess, scored, limit, std::numeric_limits<double>::infinity());
+  for (int i = 0; i < options.iterations; ++i) {
+    std::array<const MotionPoint*, 3> sample{};
+    for (auto& s : sample) s = all[random() % all.size()];
+    if (sample[0] == sample[1] || sample[0] == sample[2] || sample[1] == sample[2]) continue;
+    Se3 motion = guess;
+    constexpr int steps = 3;  // from a motion that is nearly right already
+    bool ok = true;
+    for (int s = 0; s < steps && ok; ++s) {
+      ok = gauss_newton_step(camera, sample, std::numeric_limits<double>::infinity(), motion);
+    }
+    if (!ok) continue;
+    const double cost = score(camera, motion, scored, limit, best_cost);
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = motion;
+    }
+  }
+  // Tukey's cut narrows from twice the inlier distance to it.
+  for (const double cut : {2.0, 1.5, 1.0, 1.0, 1.0}) {
+    if (!gauss_newton_step(camera, all, cut * options.inlier_distance, best)) return std::nullopt;
+  }
+  CameraMotion result;
+  result.previous_from_current = best;
+  const Eigen::Matrix3d rotation = best.rotation.toRotationMatrix();
+  std::vector<double> errors;
+  for (const MotionPoint* p : all) {
+    const double e = squared_residual(camera, rotation, best.translation, *p);
+    if (e < limit) errors.push_back(std::sqrt(e));
+  }
+  result.inliers = static_cast<int>(errors.size());
+  if (result.inliers < options.min_points ||
+      result.inliers < options.min_inlier_share * static_cast<double>(all.size())) {
+    return std::nullopt;
+  }
+  constexpr double rayleigh_median = 1.1774;  // of a residual's length over its sigma per axis
+  result.noise = median(errors) / rayleigh_median;
+  return result;
+}
+
+double motion_residual(const Camera& camera, const Se3& previous_from_current,
+                       const MotionPoint& point) {
+  const Eigen::Vector3d q = previous_from_current * point.point;
+  if (q.z() < min_z) return std::numeric_limits<double>::quiet_NaN();
+  return (camera.project(q) - point.previous).norm();
+}
+
+double motion_residual_between(const Camera& camera, const Se3& previous_from_current,
+                               const Eigen::Vector2d& current, const Eigen::Vector2d& previous,
+                               double near, double far) {
+  const Eigen::Vector3d turned = previous_from_current.rotation * camera.unproject(current, 1.0);
+  const Eigen::Vector3d& moved = previous_from_current.translation;
+  // Homogeneous in depth, so that far may be infinite.
+  const Eigen::Vector3d near_point = turned + moved / near;
+  const Eigen::Vector3d far_point = turned + moved / far;
+  if (near_point.z() * near < min_z || far_point.z() <= 0.0) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const Eigen::Vector2d far_end = camera.project(far_point);
+  const Eigen::Vector2d along = camera.project(near_point) - far_end;
+  const double length2 = along.squaredNorm();
+  const double t =
+      length2 > 0.0 ? std::clamp((previous - far_end).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (previous - far_end - t * along).norm();
+}
+
+}  // namespace dkp_slam

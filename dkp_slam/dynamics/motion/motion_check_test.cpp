@@ -1,0 +1,113 @@
+#include "dkp_slam/dynamics/motion/motion_check.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "dkp_slam/dynamics/removal/epipolar.h"
+
+namespace dkp_slam {
+namespace {
+
+Camera test_camera() {
+  Camera camera;
+  camera.fx = camera.fy = 525.0;
+  camera.cx = 319.5;
+  camera.cy = 239.5;
+  return camera;
+}
+
+Se3 known_motion() {
+  Vector6d tangent;
+  tangent << 0.03, -0.01, 0.02, 0.01, -0.015, 0.02;
+  return Se3::exp(tangent);
+}
+
+double uniform(std::mt19937_64& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
+}
+
+/// Points of a static world, and from index `movers_from` on, of something that moved 0.1 m.
+std::vector<MotionPoint> observe(std::size_t count, std::size_t movers_from) {
+  const Camera camera = test_camera();
+  std::mt19937_64 random(3);
+  std::vector<MotionPoint> points;
+  while (points.size() < count) {
+    const Eigen::Vector2d pixel(uniform(random, 20, 620), uniform(random, 20, 460));
+    MotionPoint p;
+    p.point = camera.unproject(pixel, uniform(random, 0.8, 4.0));
+    Eigen::Vector3d then = p.point;
+    if (points.size() >= movers_from) then += Eigen::Vector3d(0.1, 0.0, 0.0);
+    p.previous = camera.project(known_motion() * then) +
+                 Eigen::Vector2d(uniform(random, -0.2, 0.2), uniform(random, -0.2, 0.2));
+    points.push_back(p);
+  }
+  return points;
+}
+
+TEST(MotionCheck, FindsTheCameraMotionAmongMovers) {
+  const auto points = observe(300, 180);  // 40% move alike
+  const auto motion = estimate_motion(test_camera(), points, Se3(), {}, 5);
+  ASSERT_TRUE(motion.has_value());
+  const Se3 error = motion->previous_from_current * known_motion().inverse();
+  EXPECT_LT(error.translation.norm(), 0.001);
+  EXPECT_LT(error.angle(), 0.0005);
+  EXPECT_LT(motion->noise, 0.25);
+  int still_right = 0, movers_right = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double r = motion_residual(test_camera(), motion->previous_from_current, points[i]);
+    still_right += i < 180 && r < 1.0 ? 1 : 0;
+    movers_right += i >= 180 && r > 5.0 ? 1 : 0;
+  }
+  EXPECT_EQ(still_right, 180);
+  EXPECT_EQ(movers_right, 120);
+}
+
+TEST(MotionCheck, SaysNothingWithoutAgreement) {
+  EXPECT_FALSE(estimate_motion(test_camera(), observe(8, 8), Se3(), {}, 5).has_value());
+  std::mt19937_64 random(9);
+  auto points = observe(100, 100);
+  for (auto& p : points) p.previous = {uniform(random, 0, 640), uniform(random, 0, 480)};
+  EXPECT_FALSE(estimate_motion(test_camera(), points, Se3(), {}, 5).has_value());
+}
+
+TEST(MotionCheck, WithoutDepthOnlyMotionAcrossTheEpipolarLineShows) {
+  const Camera camera = test_camera();
+  Se3 sideways;
+  sideways.translation = {0.1, 0.0, 0.0};  // previous = current + 0.1 m: 52.5 px / z to the right
+  const Eigen::Vector2d now(300.0, 200.0);
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_NEAR(motion_residual_between(camera, sideways, now, {326.25, 200.0}, 0.5, inf), 0.0, 1e-9);
+  EXPECT_NEAR(motion_residual_between(camera, sideways, now, {326.25, 204.0}, 0.5, inf), 4.0, 1e-9);
+  EXPECT_NEAR(motion_residual_between(camera, sideways, now, {297.0, 200.0}, 0.5, inf), 3.0, 1e-9);
+  // Depth in [1, 2] m: 52.5 to 26.25 px.
+  EXPECT_NEAR(motion_residual_between(camera, sideways, now, {355.0, 200.0}, 1.0, 2.0), 2.5, 1e-9);
+}
+
+TEST(Epipolar, FindsFFromLowRegionsThoughPeopleAreTheMajority) {
+  const Camera camera = test_camera();
+  const auto points = observe(300, 120);  // 60% of the matches move alike
+  PointMatches matches;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d now = camera.project(points[i].point);
+    matches.current.emplace_back(static_cast<float>(now.x()), static_cast<float>(now.y()));
+    matches.previous.emplace_back(static_cast<float>(points[i].previous.x()),
+                                  static_cast<float>(points[i].previous.y()));
+    matches.low.push_back(i < 120 ? 1 : 0);
+  }
+  const auto fundamental = estimate_fundamental(matches, {});
+  ASSERT_TRUE(fundamental.has_value());
+  int still_right = 0, movers_right = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double d = epipolar_distance(*fundamental, matches.previous[i], matches.current[i]);
+    still_right += i < 120 && d < 1.0 ? 1 : 0;
+    movers_right += i >= 120 && d > 1.0 ? 1 : 0;
+  }
+  EXPECT_GT(still_right, 114);
+  EXPECT_GT(movers_right, 120);  // of 180: motion along the line cannot show
+}
+
+}  // namespace
+}  // namespace dkp_slam

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/dynamics/removal/feature_dynamics.h"
+
+namespace dkp_slam {
+
+struct RegionOptions {
+  float weight_low = 1.0F;  ///< W of low regions
+  /// W in the mask of an object whose class weight is 10; classes below scale with it. The paper's
+  /// example is 10, which with eps = 1 px asks for D under 0.1 px, below the flow's own noise.
+  float weight_high = 4.0F;
+  /// Eq. 6 as printed, which gives the low weight at the mask's edge and the high one far from it
+  /// and so contradicts its own text. Default: the other way round.
+  bool printed_equation = false;
+};
+
+/// W of an object's mask for the weight (1 to 10) of its class.
+float object_weight(float class_weight, const RegionOptions& options);
+
+/// Eq. 6: W of a feature in a suspicious region at `distance` px from the mask, where the farthest
+/// feature of the box is at `max_distance`, for the share `suspicious_share` (S) of the box.
+float suspicious_weight(float distance, float max_distance, float suspicious_share,
+                        float weight_high, const RegionOptions& options);
+
+/// One object's regions as the classification sees them.
+struct ObjectRegions {
+  cv::Rect2f box;        ///< pixels
+  float weight = 10.0F;  ///< W of its class
+};
+
+/// Region of every keypoint (raw pixels). `labels` is CV_8UC1, image size: 0 outside the masks,
+/// i + 1 in the mask of objects[i].
+void assign_regions(const std::vector<cv::Point2f>& keypoints,
+                    const std::vector<ObjectRegions>& objects, const cv::Mat& labels,
+                    std::vector<FeatureDynamics>& features);
+
+/// W of every keypoint, for the same input. Where boxes overlap the larger weight counts.
+void assign_weights(const std::vector<cv::Point2f>& keypoints,
+                    const std::vector<ObjectRegions>& objects, const cv::Mat& labels,
+                    const RegionOptions& options, std::vector<FeatureDynamics>& features);
+
+}  // namespace dkp_slam

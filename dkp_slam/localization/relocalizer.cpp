@@ -1,0 +1,90 @@
+#include "dkp_slam/localization/relocalizer.h"
+
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+#include "dkp_slam/localization/alignment.h"
+#include "dkp_slam/localization/matcher.h"
+#include "dkp_slam/localization/pose_refinement.h"
+
+namespace dkp_slam {
+namespace {
+
+constexpr std::size_t least_matches = 15;   // worth a RANSAC
+constexpr int least_aligned = 10;           // matches that agree on a pose
+constexpr int least_inliers = 30;           // after the guided search: a pose to trust
+constexpr std::size_t most_candidates = 5;  // keyframes that get a RANSAC
+
+/// A first pose from matches with many outliers, which are erased.
+bool align(const Map& map, const MeasurementModel& model, std::uint64_t seed,
+           std::vector<FrameMatch>& matches, Frame& frame) {
+  std::vector<PoseObservation> observations;
+  for (const FrameMatch& m : matches) {
+    observations.push_back({m.position, observation_of(frame.features, m.feature, map, model)});
+  }
+  AlignmentOptions options;
+  options.least_inliers = least_aligned;
+  options.seed = seed;
+  const auto alignment = align_camera(map.camera(), model, observations, options);
+  if (!alignment) return false;
+  frame.camera_from_world = alignment->camera_from_world;
+  std::vector<FrameMatch> kept;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    if (alignment->inlier[i]) kept.push_back(matches[i]);
+  }
+  matches = std::move(kept);
+  return refine_pose(map, model, frame, matches) >= least_aligned;
+}
+
+/// Landmarks of the keyframes around one that the frame does not have yet.
+std::vector<int> further_landmarks(const Map& map, int keyframe, const Frame& frame) {
+  std::vector<int> ids = map.best_covisible(keyframe, 10);
+  ids.push_back(keyframe);
+  std::vector<int> known = frame.landmark, others;
+  std::sort(known.begin(), known.end());
+  for (const int l : map.landmarks_of(ids)) {
+    if (!std::binary_search(known.begin(), known.end(), l)) others.push_back(l);
+  }
+  return others;
+}
+
+}  // namespace
+
+int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uint64_t seed,
+                         int keyframe, Frame& frame) {
+  std::vector<FrameMatch> matches = match_keyframe(map, map.keyframe(keyframe), frame);
+  if (matches.size() < least_matches) return 0;
+  if (!align(map, model, seed, matches, frame)) return 0;
+  assign_landmarks(matches, frame);
+  const std::vector<int> others = further_landmarks(map, keyframe, frame);
+  for (const FrameMatch& m :
+       match_visible(map, frame, landmarks_in_view(map, frame, others), 3.0F)) {
+    if (frame.is_static[static_cast<std::size_t>(m.feature)]) matches.push_back(m);
+  }
+  const int inliers = refine_pose(map, model, frame, matches);
+  if (inliers < least_inliers) return 0;
+  assign_landmarks(matches, frame);
+  frame.reference_keyframe = keyframe;
+  return inliers;
+}
+
+bool relocalize(const Map& map, const PlaceIndex& places, const MeasurementModel& model,
+                std::uint64_t seed, Frame& frame) {
+  std::vector<Descriptor> descriptors;
+  for (std::size_t i = 0; i < frame.features.descriptor.size(); ++i) {
+    if (frame.is_static[i]) descriptors.push_back(frame.features.descriptor[i]);
+  }
+  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  for (const PlaceCandidate& c : places.query(map, descriptors, most_candidates)) {
+    if (const int landmarks = localize_by_keyframe(map, model, seed, c.keyframe, frame)) {
+      spdlog::info("frame {}: relocalised in keyframe {} with {} landmarks", frame.index,
+                   c.keyframe, landmarks);
+      return true;
+    }
+    std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  }
+  return false;
+}
+
+}  // namespace dkp_slam

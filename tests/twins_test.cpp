@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "dkp_slam/synth/true_detections.h"
+#include "tests/support/recording.h"
+#include "tests/support/run.h"
+
+namespace dkp_slam {
+namespace {
+
+using testing::motion_detector;
+using testing::Outcome;
+using testing::Recording;
+using testing::run;
+
+/// Knows the exact box of everybody, and no silhouette; sees nothing from one frame to another
+/// (exclusive).
+class ExactBoxes : public Detector {
+ public:
+  explicit ExactBoxes(const Recording& room, int blind_from = 0, int blind_to = 0)
+      : room_(room), blind_from_(blind_from), blind_to_(blind_to) {}
+  std::string name() const override { return "exact boxes"; }
+  std::vector<Detection> detect(const RgbdFrame& frame) override {
+    if (frame.index >= blind_from_ && frame.index < blind_to_) return {};
+    return true_detections(room_.truths.at(static_cast<std::size_t>(frame.index)));
+  }
+
+ private:
+  const Recording& room_;
+  int blind_from_, blind_to_;
+};
+
+struct Twin {
+  std::string scenario;
+  std::size_t frames, first_frame;
+  double bound;  ///< of the ATE, metres
+};
+std::ostream& operator<<(std::ostream& out, const Twin& twin) { return out << twin.scenario; }
+
+class Twins : public ::testing::TestWithParam<Twin> {};
+
+// Half the width, which is rendered in a third of the time and makes every error three times as
+// large. From the time on when somebody has got up and walks up to the camera.
+constexpr int divisor = 2;
+constexpr std::size_t first_walk = 90;
+
+TEST_P(Twins, ExactBoxesAndMotionDetector) {
+  const Twin& twin = GetParam();
+  const Recording room(twin.scenario, twin.frames, twin.first_frame, divisor);
+  for (const bool exact : {true, false}) {
+    SCOPED_TRACE(exact ? "exact boxes" : "motion detector");
+    const Outcome outcome =
+        run(room.play(), exact ? std::make_unique<ExactBoxes>(room) : motion_detector(room.camera),
+            room.camera, DynamicsMode::dkp_plus);
+    EXPECT_EQ(outcome.lost(), std::vector<int>());
+    EXPECT_LT(room.error(outcome.path), twin.bound);
+  }
+}
+
+// The bounds are those that the whole sequences must keep, of 600 frames of full width; 2 mm more
+// for a camera held still, whose pictures here are too small for it. Measured with exact boxes and
+// with the motion detector (and in mode off); other seeds of the system change the static twins'
+// figures by 0.0002 at most, another placing of the renderer's rays those of the others by up to
+// 0.002.
+INSTANTIATE_TEST_SUITE_P(
+    Synthetic, Twins,
+    ::testing::Values(Twin{"walking_xyz", 60, first_walk, 0.015},         // 0.0060, 0.0063 (0.022)
+                      Twin{"walking_rpy", 60, first_walk, 0.030},         // 0.0041, 0.0070 (0.006)
+                      Twin{"walking_halfsphere", 60, first_walk, 0.020},  // 0.0098, 0.0108 (0.138)
+                      Twin{"walking_static", 60, first_walk, 0.008},      // 0.0045, 0.0045 (0.025)
+                      Twin{"sitting_static", 45, 0, 0.008},               // 0.0051, 0.0037 (0.003)
+                      Twin{"sitting_xyz", 45, 0, 0.009}),                 // 0.0058, 0.0053 (0.006)
+    [](const auto& info) { return info.param.scenario; });
+
+TEST(TwinsWithoutDetections, ForASecond) {
+  const Recording room("walking_halfsphere", 75, first_walk, divisor);
+  constexpr int from = 25, to = 55;
+  const Outcome outcome = run(room.play(), std::make_unique<ExactBoxes>(room, from, to),
+                              room.camera, DynamicsMode::dkp_plus);
+  EXPECT_EQ(outcome.lost(), std::vector<int>());
+  for (int i = from; i < to; ++i) EXPECT_EQ(outcome.frames[std::size_t(i)].detections, 0);
+  EXPECT_LT(room.error(outcome.path), 0.016);  // measured: 0.0094 and 0.0122
+}
+
+}  // namespace
+}  // namespace dkp_slam
