@@ -15,9 +15,9 @@
 #include "apps/test_program.h"
 #include "apps/test_sequence.h"
 #include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/map_file.h"
 #include "dkp_slam/map_file/test_folder.h"
-#include "dkp_slam/map/test_map.h"
 
 namespace dkp_slam {
 namespace {

@@ -142,7 +142,7 @@ std::optional<ErrorStatistics> error_against_truth(const std::string& sequence,
 }
 
 void run(RunOptions options) {
-  SlamOptions slam_options;
+  SlamConfig slam_options;
   const bool camera_given = !options.camera.empty();
   options.camera = choose_camera(options.sequence, options.camera);
   if (!camera_given) spdlog::info("camera: {}", options.camera);

@@ -7,7 +7,7 @@
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
 
-RunMap::RunMap(const fs::path& map, const fs::path& localize, const SlamOptions& options)
+RunMap::RunMap(const fs::path& map, const fs::path& localize, const SlamConfig& options)
     : file_(map) {
   const fs::path& source = localize.empty() ? map : localize;
   if (source.empty()) return;

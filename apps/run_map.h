@@ -16,7 +16,7 @@ class RunMap {
   /// Reads what there is to start from; leaves everything as it is. At most one of the two names.
   /// Throws `Error` where the file cannot be used.
   RunMap(const std::filesystem::path& map, const std::filesystem::path& localize,
-         const SlamOptions& options);
+         const SlamConfig& options);
 
   /// The map that was read; once.
   std::optional<Map> take_stored();

@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 
 #include "dkp_slam/detection/recorded_detector.h"
-#include "dkp_slam/synth/true_detections.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/png_encoder.h"
+#include "dkp_slam/synth/true_detections.h"
 
 namespace dkp_slam::apps {
 namespace {

@@ -17,8 +17,8 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
-#include "dkp_slam/synth/source.h"
 #include "dkp_slam/sensor/tum_source.h"
+#include "dkp_slam/synth/source.h"
 
 namespace dkp_slam::apps {
 namespace {

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/map/test_map.h"
+#include "dkp_slam/map_file/map_writer.h"
 
 namespace dkp_slam {
 namespace {

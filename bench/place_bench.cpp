@@ -12,10 +12,10 @@
 #include <CLI/CLI.hpp>
 
 #include "dkp_slam/localization/place_index.h"
+#include "dkp_slam/localization/relocalizer.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/system/slam.h"
-#include "dkp_slam/localization/relocalizer.h"
 
 namespace dkp_slam {
 namespace {
@@ -59,7 +59,7 @@ struct Real {
 };
 
 Real play(const BenchOptions& bench) {
-  SlamOptions options;
+  SlamConfig options;
   options.camera = load_camera(bench.camera);
   options.dynamics.mode = DynamicsMode::off;
   Slam slam(options);

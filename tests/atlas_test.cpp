@@ -86,7 +86,7 @@ class Atlas : public ::testing::Test {
   }
   /// Plays these frames of the turn; -1 is a second in which the lens is covered.
   static Outcome play(const std::vector<int>& order) {
-    SlamOptions options;
+    SlamConfig options;
     options.camera = turn().camera;
     options.dynamics.mode = DynamicsMode::off;
     Slam slam(options);

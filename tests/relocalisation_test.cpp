@@ -109,7 +109,7 @@ struct Outcome {
 
 Outcome run(const SplicedSource::Opener& open, const std::vector<Segment>& segments,
             const Camera& camera, const Trajectory& truth) {
-  SlamOptions options;
+  SlamConfig options;
   options.camera = camera;
   options.dynamics.mode = DynamicsMode::off;
   Slam slam(options);
@@ -195,8 +195,8 @@ TEST_F(RealRelocalisation, AfterAJumpAcrossTheSequence) {
 
 TEST_F(RealRelocalisation, LoopsPutRightWhatPeopleHavePulledAway) {
   // With nothing removed people drag the camera along, and it comes back to where it was. The error
-  // is 0.247 m where loops stay open, and 0.13 m where they are closed: what was seen of people alone
-  // stays where they have dragged it.
+  // is 0.247 m where loops stay open, and 0.13 m where they are closed: what was seen of people
+  // alone stays where they have dragged it.
   const Outcome outcome = play({{0, 788}}, "composite_xyz_walking");
   EXPECT_GE(outcome.loops, 1U);
   EXPECT_LT(outcome.error, 0.18);

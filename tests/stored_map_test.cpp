@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/map_file.h"
 #include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/map_file/test_folder.h"
-#include "dkp_slam/map/test_map.h"
 #include "dkp_slam/system/slam.h"
 #include "tests/support/recording.h"
 
@@ -25,8 +25,8 @@ const Recording& recording() {
   return made;
 }
 
-SlamOptions options() {
-  SlamOptions all;
+SlamConfig options() {
+  SlamConfig all;
   all.camera = recording().camera;
   all.dynamics.mode = DynamicsMode::off;
   return all;

@@ -86,7 +86,7 @@ std::optional<MaskFigures> measure_masks(const MeasureOptions& options, const Ru
                                          const std::function<bool()>& stop,
                                          const std::function<void(std::size_t)>& progress) {
   const fs::path sequence = options.data / key.sequence;
-  SlamOptions slam_options;
+  SlamConfig slam_options;
   slam_options.camera = load_camera((options.config / camera_file(key.sequence)).string());
   slam_options.dynamics.mode = modes.at(key.mode);
   slam_options.seed = key.seed;

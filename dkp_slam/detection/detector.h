@@ -26,6 +26,15 @@ struct Detection {
   static constexpr int motion_class = -2;
 };
 
+/// What a detector said, and of which image.
+struct DetectionResult {
+  double timestamp = 0.0;  ///< seconds, of the image that was looked at
+  /// False while there is no answer (none yet, or no detector at all): nothing is known then, which
+  /// is not the same as nobody there.
+  bool answered = false;
+  std::vector<Detection> detections;
+};
+
 /// Finds things that move or may move in one frame. Called with every frame in order, from one
 /// thread; may keep state between frames. A detector that throws is replaced by none by its caller.
 class Detector {

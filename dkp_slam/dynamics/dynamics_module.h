@@ -8,13 +8,13 @@
 
 #include "dkp_slam/detection/detector.h"
 #include "dkp_slam/dynamics/compensation/box_tracker.h"
-#include "dkp_slam/dynamics/masks/clustering.h"
-#include "dkp_slam/dynamics/removal/epipolar.h"
-#include "dkp_slam/dynamics/motion/feature_motion.h"
 #include "dkp_slam/dynamics/frame_dynamics.h"
+#include "dkp_slam/dynamics/masks/clustering.h"
+#include "dkp_slam/dynamics/masks/room_planes.h"
+#include "dkp_slam/dynamics/motion/feature_motion.h"
+#include "dkp_slam/dynamics/removal/epipolar.h"
 #include "dkp_slam/dynamics/removal/regions.h"
 #include "dkp_slam/dynamics/removal/removal.h"
-#include "dkp_slam/dynamics/masks/room_planes.h"
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/sensor/rgbd_frame.h"
 

@@ -86,6 +86,27 @@ void assign_landmarks(const std::vector<FrameMatch>& matches, Frame& frame) {
   }
 }
 
+void resolve_landmarks(const Map& map, Frame& frame) {
+  std::vector<char> taken(map.landmark_places(), 0);
+  for (int& id : frame.landmark) {
+    id = map.resolve(id);
+    if (id < 0) continue;
+    char& mark = taken[map.place_of_landmark(id)];
+    if (mark) id = -1;
+    mark = 1;
+  }
+}
+
+bool has_each_landmark_once(const Map& map, const Frame& frame) {
+  std::vector<char> taken(map.landmark_places(), 0);
+  for (const int id : frame.landmark) {
+    if (id < 0) continue;
+    if (!map.has_landmark(id) || taken[map.place_of_landmark(id)]) return false;
+    taken[map.place_of_landmark(id)] = 1;
+  }
+  return true;
+}
+
 std::vector<FrameMatch> match_last_frame(const Map& map, const Frame& last, const Frame& frame,
                                          float radius, const MatchOptions& options) {
   const Camera& camera = map.camera();
@@ -99,7 +120,7 @@ std::vector<FrameMatch> match_last_frame(const Map& map, const Frame& last, cons
     const auto s = static_cast<std::size_t>(i);
     if (!last.is_static[s]) continue;
     FrameMatch match;
-    match.landmark = map.resolve(last.landmark[s]);
+    match.landmark = last.landmark[s];
     if (match.landmark >= 0) {
       match.position = map.landmark(match.landmark).position;
     } else if (last.features.depth[s] > 0.0F) {

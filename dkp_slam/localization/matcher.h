@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "dkp_slam/map/map.h"
 #include "dkp_slam/localization/frame.h"
+#include "dkp_slam/map/map.h"
 
 namespace dkp_slam {
 
@@ -26,9 +26,18 @@ struct FrameMatch {
 /// Gives the frame's features the landmarks of the matches, and no others.
 void assign_landmarks(const std::vector<FrameMatch>& matches, Frame& frame);
 
-/// Matches the last frame's landmarks, and its points with depth that are no landmarks yet, to the
-/// current frame, where they should appear under `frame.camera_from_world`; `radius` is in pixels
-/// on level 0. Matches that turn against the majority's rotation are dropped.
+/// Follows what became of the frame's landmarks in the map since they were found: those fused into
+/// another have that one's id, removed ones none. Where two features have come to one landmark the
+/// first keeps it, so that a landmark belongs to one feature of a frame at most.
+void resolve_landmarks(const Map& map, Frame& frame);
+
+/// Whether every landmark of the frame is in the map and belongs to one feature only: what holds
+/// whenever a frame has been tracked.
+bool has_each_landmark_once(const Map& map, const Frame& frame);
+
+/// Matches the last frame's landmarks (resolved, see above), and its points with depth that are no
+/// landmarks yet, to the current frame, where they should appear under `frame.camera_from_world`;
+/// `radius` is in pixels on level 0. Matches that turn against the majority's rotation are dropped.
 std::vector<FrameMatch> match_last_frame(const Map& map, const Frame& last, const Frame& frame,
                                          float radius, const MatchOptions& options = {});
 

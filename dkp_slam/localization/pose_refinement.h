@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "dkp_slam/map/map.h"
-#include "dkp_slam/optimization/pose_optimizer.h"
 #include "dkp_slam/localization/frame.h"
 #include "dkp_slam/localization/matcher.h"
+#include "dkp_slam/map/map.h"
+#include "dkp_slam/optimization/pose_optimizer.h"
 
 namespace dkp_slam {
 

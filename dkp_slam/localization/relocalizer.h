@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
+#include "dkp_slam/localization/frame.h"
 #include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/optimization/observation.h"
-#include "dkp_slam/localization/frame.h"
 
 namespace dkp_slam {
 

@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "dkp_slam/map/map.h"
 #include "dkp_slam/localization/frame.h"
+#include "dkp_slam/map/map.h"
 
 namespace dkp_slam::testing {
 

@@ -4,9 +4,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include "dkp_slam/localization/relocalizer.h"
 #include "dkp_slam/loop/place_joining.h"
 #include "dkp_slam/map/map_parts.h"
-#include "dkp_slam/localization/relocalizer.h"
 
 namespace dkp_slam {
 

@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
-#include "dkp_slam/loop/loop_detector.h"
+#include "dkp_slam/localization/frame.h"
 #include "dkp_slam/localization/place_index.h"
+#include "dkp_slam/loop/loop_detector.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/optimization/observation.h"
 #include "dkp_slam/optimization/pose_graph.h"
-#include "dkp_slam/localization/frame.h"
 
 namespace dkp_slam {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "dkp_slam/loop/place_joining.h"
 #include "dkp_slam/localization/relocalizer.h"
+#include "dkp_slam/loop/place_joining.h"
 
 namespace dkp_slam {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "dkp_slam/localization/frame.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/optimization/observation.h"
-#include "dkp_slam/localization/frame.h"
 
 namespace dkp_slam {
 

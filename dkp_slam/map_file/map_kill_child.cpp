@@ -16,8 +16,8 @@
 #include <sys/resource.h>
 
 #include "dkp_slam/error.h"
-#include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/map/test_map.h"
+#include "dkp_slam/map_file/map_writer.h"
 
 namespace {
 

@@ -17,9 +17,9 @@
 #include <sys/wait.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/map_file/sqlite.h"
-#include "dkp_slam/map/test_map.h"
 
 namespace dkp_slam {
 namespace {

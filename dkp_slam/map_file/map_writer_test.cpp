@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/sqlite.h"
 #include "dkp_slam/map_file/test_folder.h"
-#include "dkp_slam/map/test_map.h"
 
 namespace dkp_slam {
 namespace {

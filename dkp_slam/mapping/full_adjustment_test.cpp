@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "dkp_slam/mapping/local_bundle.h"
 #include "dkp_slam/localization/test_world.h"
+#include "dkp_slam/mapping/local_bundle.h"
 
 namespace dkp_slam {
 namespace {

@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "dkp_slam/localization/matcher.h"
 #include "dkp_slam/mapping/landmark_fusion.h"
 
 namespace dkp_slam {
@@ -22,11 +23,10 @@ Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
       places_(places),
       model_(model),
       options_(options),
-      loop_closer_(options.loops),
       full_adjustment_(map.camera(), model, with_realtime(options.full, options.realtime)),
       worker_(map.camera(), model) {}
 
-void Mapper::insert_keyframe(Frame& frame) {
+int Mapper::insert_keyframe(Frame& frame) {
   if (worker_.pending()) carry_back();
   // Ids from before the last keyframe are held by the index alone: all frames that may still be
   // asked about were localised since.
@@ -36,17 +36,13 @@ void Mapper::insert_keyframe(Frame& frame) {
   keyframe.timestamp = frame.timestamp;
   keyframe.camera_from_world = frame.camera_from_world;
   keyframe.features = frame.features.subset(frame.is_static);
+  resolve_landmarks(map_, frame);
   std::vector<int> feature_of_frame;  // of the keyframe's features
   for (int i = 0; i < frame.features.size(); ++i) {
     const auto s = static_cast<std::size_t>(i);
     if (!frame.is_static[s]) continue;
     feature_of_frame.push_back(i);
-    int landmark = map_.resolve(frame.landmark[s]);
-    // Two features may have come to one landmark when two were fused: the first keeps it.
-    if (std::find(keyframe.landmarks.begin(), keyframe.landmarks.end(), landmark) !=
-        keyframe.landmarks.end())
-      landmark = -1;
-    keyframe.landmarks.push_back(landmark);
+    keyframe.landmarks.push_back(frame.landmark[s]);
   }
   const int id = map_.add_keyframe(std::move(keyframe));
   frame.reference_keyframe = id;
@@ -57,15 +53,14 @@ void Mapper::insert_keyframe(Frame& frame) {
   map_.update_covisibility(id);
   cull_keyframes(id);
   places_.add_keyframe(map_, id);
-  if (options_.close_loops && loop_closer_.close(map_, places_, model_, id)) {
-    frame.camera_from_world = map_.keyframe(id).camera_from_world;
-    full_adjustment_.start(map_, map_.current_map(), frame.index);
-  }
-  // Where maps were joined this one welds them: the keyframe's neighbours are of both now.
-  submit_local_bundle(id, frame.index);
+  return id;
 }
 
-void Mapper::submit_local_bundle(int keyframe, int frame_index) {
+void Mapper::adjust_whole(int which, int frame_index) {
+  full_adjustment_.start(map_, which, frame_index);
+}
+
+void Mapper::adjust_around(int keyframe, int frame_index) {
   if (map_.live_keyframes_in(map_.current_map()) < 2) return;
   under_way_ = local_bundle(map_, model_, keyframe, options_.local);
   due_frame_ = frame_index + options_.bundle_delay;

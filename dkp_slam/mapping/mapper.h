@@ -3,13 +3,12 @@
 #include <deque>
 #include <optional>
 
-#include "dkp_slam/loop/loop_closer.h"
+#include "dkp_slam/localization/frame.h"
 #include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/mapping/bundle_worker.h"
 #include "dkp_slam/mapping/full_adjustment.h"
 #include "dkp_slam/mapping/local_bundle.h"
-#include "dkp_slam/localization/frame.h"
 
 namespace dkp_slam {
 
@@ -23,26 +22,28 @@ struct MapperOptions {
   int bundle_delay = 6;
   /// Carry a bundle adjustment back as soon as it is done instead, and never wait (--realtime).
   bool realtime = false;
-  bool close_loops = true;
-  LoopCloserOptions loops;
   FullAdjustmentOptions full;  ///< `realtime` as above
 };
 
-/// Grows the map: keyframes, landmarks, fusion, culling, loops, and bundle adjustment, local and of
-/// the whole, each in its own thread. Called by the tracking thread alone.
+/// Grows the map: keyframes, landmarks, fusion, culling, and bundle adjustment, local and of the
+/// whole, each in its own thread. Called by the tracking thread alone.
 class Mapper {
  public:
   Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model, const MapperOptions& options);
 
-  /// Makes the frame a keyframe; the frame gets the new landmarks' ids and its reference keyframe,
-  /// and another pose where that closed a loop.
-  void insert_keyframe(Frame& frame);
+  /// Makes the frame a keyframe and returns its id; the frame gets the new landmarks' ids and its
+  /// reference keyframe.
+  int insert_keyframe(Frame& frame);
+  /// Starts the bundle adjustment about a keyframe, unless the map has no other. The one before
+  /// has been carried back by `insert_keyframe`.
+  void adjust_around(int keyframe, int frame_index);
+  /// Starts the bundle adjustment of a whole map, as after a loop was closed; one that is under way
+  /// is stopped.
+  void adjust_whole(int which, int frame_index);
   /// To be called once per frame, before it is tracked: carries back what is due.
   void advance(int frame_index);
   /// True while a local bundle adjustment has been submitted and not carried back.
   bool adjusting() const { return worker_.pending(); }
-  /// Loops closed so far.
-  const std::vector<ClosedLoop>& loops() const { return loop_closer_.closed(); }
   /// Loops and joins that the whole map has been adjusted after.
   int full_adjustments() const { return full_adjustment_.done(); }
   /// Ends what is under way, then adjusts every map as a whole once more, if wanted and until
@@ -53,14 +54,12 @@ class Mapper {
   void create_landmarks(Frame& frame, int keyframe, const std::vector<int>& feature_of_frame);
   void cull_landmarks(int newest_keyframe);
   void cull_keyframes(int newest_keyframe);
-  void submit_local_bundle(int keyframe, int frame_index);
   void carry_back();
 
   Map& map_;
   PlaceIndex& places_;
   const MeasurementModel model_;
   const MapperOptions options_;
-  LoopCloser loop_closer_;
   FullAdjustment full_adjustment_;
   BundleWorker worker_;
   BundleProblem under_way_;

@@ -6,8 +6,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "dkp_slam/synth/mesh/actor.h"
 #include "dkp_slam/synth/figure/figure.h"
+#include "dkp_slam/synth/mesh/actor.h"
 
 namespace dkp_slam {
 

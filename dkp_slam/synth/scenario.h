@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "dkp_slam/synth/mesh/actor.h"
-#include "dkp_slam/synth/room/furniture.h"
 #include "dkp_slam/synth/path/motion.h"
 #include "dkp_slam/synth/render/renderer.h"
+#include "dkp_slam/synth/room/furniture.h"
 
 namespace dkp_slam {
 

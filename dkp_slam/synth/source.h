@@ -10,9 +10,9 @@
 
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/sensor/rgbd_source.h"
+#include "dkp_slam/synth/noise/sensor_effects.h"
 #include "dkp_slam/synth/render/renderer.h"
 #include "dkp_slam/synth/scenario.h"
-#include "dkp_slam/synth/noise/sensor_effects.h"
 
 namespace dkp_slam {
 

@@ -7,20 +7,20 @@
 namespace dkp_slam {
 namespace {
 
-DynamicsOptions dynamics_options(const SlamOptions& all) {
+DynamicsOptions dynamics_options(const SlamConfig& all) {
   DynamicsOptions options = all.dynamics;
   options.seed = all.seed;
   return options;
 }
 
-MapperOptions mapper_options(const SlamOptions& all) {
-  MapperOptions options = all.mapper;
-  options.realtime = all.realtime;
+BackEndOptions back_end_options(const SlamConfig& all) {
+  BackEndOptions options = all.back_end;
+  options.mapper.realtime = all.realtime;
   options.loops.seed = all.seed;
   return options;
 }
 
-TrackerOptions tracker_options(const SlamOptions& all) {
+TrackerOptions tracker_options(const SlamConfig& all) {
   TrackerOptions options = all.tracker;
   options.seed = all.seed;
   options.localize_only = all.localize_only;
@@ -29,13 +29,13 @@ TrackerOptions tracker_options(const SlamOptions& all) {
 
 }  // namespace
 
-Slam::Slam(const SlamOptions& options, std::optional<Map> stored)
+Slam::Slam(const SlamConfig& options, std::optional<Map> stored)
     : options_(options),
       map_(stored ? std::move(*stored)
                   : Map(options.camera, options.orb.scale, options.orb.levels)),
       first_keyframe_(map_.keyframe_ids()),
-      mapper_(map_, places_, options.measurement, mapper_options(options)),
-      tracker_(map_, places_, mapper_, options.measurement, tracker_options(options)),
+      back_end_(map_, places_, options.measurement, back_end_options(options)),
+      tracker_(map_, places_, options.measurement, tracker_options(options)),
       dynamics_(options.camera, dynamics_options(options)) {
   for (int k = 0; k < first_keyframe_; ++k) {
     if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
@@ -68,14 +68,17 @@ FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_o
   frame.current_from_previous = dynamics.current_from_previous;
   frame.is_static.reserve(dynamics.features.size());
   for (const FeatureDynamics& f : dynamics.features) frame.is_static.push_back(f.is_static);
-  const int keyframes_before = map_.keyframe_ids();
-  report.localised = tracker_.track(frame);
+  back_end_.advance(frame.index);
+  const TrackingResult tracked = tracker_.track(frame, back_end_.adjusting());
+  if (tracked.keyframe_due) back_end_.insert_keyframe(frame);
+  if (tracked.localised) tracker_.settle(frame, tracked.keyframe_due);
   report.tracking_ms = watch.ms();
 
   report.features = frame.features.size();
   for (const char s : frame.is_static) report.removed_features += !s;
   report.tracked_landmarks = tracker_.tracked_landmarks();
-  report.keyframe = map_.keyframe_ids() > keyframes_before;
+  report.localised = tracked.localised;
+  report.keyframe = tracked.keyframe_due;
   report.map_keyframes = map_.live_keyframes();
   report.map_landmarks = map_.live_landmarks();
   if (dynamics_out) *dynamics_out = std::move(dynamics);
@@ -83,7 +86,7 @@ FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_o
 }
 
 void Slam::finish(const std::atomic<bool>* stop) {
-  mapper_.finish(options_.final_adjustment && !options_.localize_only, stop);
+  back_end_.finish(options_.final_adjustment && !options_.localize_only, stop);
 }
 
 std::vector<int> Slam::maps_in_use() const {

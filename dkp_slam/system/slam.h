@@ -1,34 +1,18 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
 #include "dkp_slam/dynamics/dynamics_module.h"
 #include "dkp_slam/geometry/stamped_pose.h"
 #include "dkp_slam/localization/place_index.h"
-#include "dkp_slam/mapping/mapper.h"
+#include "dkp_slam/system/back_end.h"
+#include "dkp_slam/system/config.h"
 #include "dkp_slam/system/front_end.h"
 #include "dkp_slam/tracking/tracker.h"
 
 namespace dkp_slam {
-
-/// Everything that decides a run's result, beside the images.
-struct SlamOptions {
-  Camera camera;
-  DynamicsOptions dynamics;
-  OrbOptions orb;
-  MeasurementModel measurement;
-  TrackerOptions tracker;
-  MapperOptions mapper;
-  /// Adjust the whole map once more at the end, before poses are written.
-  bool final_adjustment = true;
-  bool realtime = false;
-  bool localize_only = false;  ///< in a stored map, which stays as it is
-  std::uint64_t seed = 1;
-};
 
 /// What happened to one frame.
 struct FrameReport {
@@ -53,7 +37,7 @@ struct FrameReport {
 class Slam {
  public:
   /// `stored`: a map to start from, made with this camera (see check_fits).
-  explicit Slam(const SlamOptions& options, std::optional<Map> stored = std::nullopt);
+  explicit Slam(const SlamConfig& options, std::optional<Map> stored = std::nullopt);
 
   /// Localises one frame and grows the map. `dynamics_out`, when given, receives what was found out
   /// about moving things, for pictures.
@@ -72,17 +56,17 @@ class Slam {
   Trajectory keyframe_trajectory() const;
 
   const Map& map() const { return map_; }
-  const std::vector<ClosedLoop>& loops() const { return mapper_.loops(); }
+  const std::vector<ClosedLoop>& loops() const { return back_end_.loops(); }
 
  private:
   /// Maps that frames were localised in, most frames first.
   std::vector<int> maps_in_use() const;
 
-  const SlamOptions options_;
+  const SlamConfig options_;
   Map map_;
   const int first_keyframe_;  // of this run
   PlaceIndex places_;         // follows the map's locking rule: the tracking thread's alone
-  Mapper mapper_;
+  BackEnd back_end_;
   Tracker tracker_;
   DynamicsModule dynamics_;
 };

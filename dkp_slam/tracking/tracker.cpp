@@ -1,6 +1,7 @@
 #include "dkp_slam/tracking/tracker.h"
 
 #include <algorithm>
+#include <cassert>
 
 #include <spdlog/spdlog.h>
 
@@ -9,19 +10,21 @@
 #include "dkp_slam/localization/relocalizer.h"
 
 namespace dkp_slam {
-Tracker::Tracker(Map& map, const PlaceIndex& places, Mapper& mapper, const MeasurementModel& model,
+
+Tracker::Tracker(Map& map, const PlaceIndex& places, const MeasurementModel& model,
                  const TrackerOptions& options)
-    : map_(map), places_(places), mapper_(mapper), model_(model), options_(options) {
+    : map_(map), places_(places), model_(model), options_(options) {
   // In a map from before the camera first has to find out where it is.
   if (map_.live_keyframes() > 0) state_ = TrackingState::lost;
 }
 
-bool Tracker::track(Frame& frame) {
-  mapper_.advance(frame.index);
+TrackingResult Tracker::track(Frame& frame, bool adjusting) {
   follow_map_changes();
   frame.landmark.assign(static_cast<std::size_t>(frame.features.size()), -1);
   tracked_landmarks_ = 0;
-  if (state_ == TrackingState::not_initialized) return !options_.localize_only && initialize(frame);
+  if (state_ == TrackingState::not_initialized) {
+    return options_.localize_only ? TrackingResult() : initialize(frame);
+  }
   if (!localize(frame)) {
     if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);
     state_ = TrackingState::lost;
@@ -31,12 +34,17 @@ bool Tracker::track(Frame& frame) {
   state_ = TrackingState::tracking;
   lost_since_.reset();
   if (tracked_landmarks_ > 0) map_time_ = frame.timestamp;
-  if (tracked_landmarks_ > 0 && keyframe_is_due(frame)) {
-    mapper_.insert_keyframe(frame);
+  assert(has_each_landmark_once(map_, frame));
+  return {true, tracked_landmarks_ > 0 && keyframe_is_due(frame, adjusting)};
+}
+
+void Tracker::settle(const Frame& frame, bool became_keyframe) {
+  if (became_keyframe) {
     keyframe_time_ = frame.timestamp;
+    // The first of a map: what it made is what is tracked.
+    if (tracked_landmarks_ == 0) tracked_landmarks_ = frame.tracked_landmarks();
   }
   remember(frame);
-  return true;
 }
 
 bool Tracker::localize(Frame& frame) {
@@ -63,10 +71,10 @@ bool Tracker::localize(Frame& frame) {
   return true;
 }
 
-bool Tracker::start_another_map(Frame& frame) {
+TrackingResult Tracker::start_another_map(Frame& frame) {
   if (!lost_since_) lost_since_ = frame.timestamp;
   const double lost = frame.timestamp - *lost_since_;
-  if (options_.localize_only || lost < options_.longest_loss || !can_start(frame)) return false;
+  if (options_.localize_only || lost < options_.longest_loss || !can_start(frame)) return {};
   spdlog::warn("frame {}: lost for {:.1f} s, another map is begun", frame.index, lost);
   lost_since_.reset();
   map_.start_map();
@@ -84,15 +92,11 @@ bool Tracker::can_start(const Frame& frame) const {
   return with_depth >= options_.least_to_start;
 }
 
-bool Tracker::initialize(Frame& frame) {
-  if (!can_start(frame)) return false;
-  mapper_.insert_keyframe(frame);
-  keyframe_time_ = frame.timestamp;
-  tracked_landmarks_ = frame.tracked_landmarks();
+TrackingResult Tracker::initialize(const Frame& frame) {
+  if (!can_start(frame)) return {};
   state_ = TrackingState::tracking;
   map_time_ = frame.timestamp;
-  remember(frame);
-  return true;
+  return {true, true};
 }
 
 Se3 Tracker::motion_over(double seconds) const {
@@ -236,9 +240,10 @@ void Tracker::drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches)
   });
 }
 
-void Tracker::weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& matches) {
+void Tracker::weigh_evidence(Frame& frame, const std::vector<FrameMatch>& matches) {
   const LandmarkBelief& belief = options_.belief;
   for (const FrameMatch& m : matches) {
+    assert(map_.has_landmark(m.landmark));  // each is matched once, see resolve_landmarks
     Landmark& l = map_.landmark(m.landmark);
     const Observation seen = observation_of(frame.features, m.feature, map_, model_);
     const Eigen::Vector3d p = frame.camera_from_world * l.position;
@@ -249,16 +254,17 @@ void Tracker::weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& 
     const float change = in_place ? (called_static ? belief.stayed : belief.doubted)
                                   : (called_static ? belief.strayed : belief.moved);
     l.dynamic_log_odds = std::clamp(l.dynamic_log_odds + change, belief.lowest, belief.highest);
-    if (l.dynamic_log_odds > belief.dynamic_above) map_.remove_landmark(m.landmark);
+    if (l.dynamic_log_odds <= belief.dynamic_above) continue;
+    map_.remove_landmark(m.landmark);
+    frame.landmark[static_cast<std::size_t>(m.feature)] = -1;
   }
 }
 
-bool Tracker::keyframe_is_due(const Frame& frame) const {
+bool Tracker::keyframe_is_due(const Frame& frame, bool adjusting) const {
   if (options_.localize_only) return false;
   const auto room = std::count(frame.is_static.begin(), frame.is_static.end(), 1);
   if (room < options_.least_keyframe_features) return false;
-  if (!mapper_.adjusting() && frame.timestamp - keyframe_time_ >= options_.keyframe_interval)
-    return true;
+  if (!adjusting && frame.timestamp - keyframe_time_ >= options_.keyframe_interval) return true;
   const Keyframe& reference = map_.keyframe(frame.reference_keyframe);
   int reference_landmarks = 0;
   const std::size_t least_sightings = map_.live_keyframes_in(map_.current_map()) <= 2 ? 1 : 2;
@@ -274,7 +280,7 @@ bool Tracker::keyframe_is_due(const Frame& frame) const {
     (frame.landmark[s] >= 0 ? near_tracked : near_free) += 1;
   }
   const bool need_near = near_tracked < 100 && near_free > 70;
-  if (mapper_.adjusting()) return tracked_landmarks_ < options_.urgent_share * reference_landmarks;
+  if (adjusting) return tracked_landmarks_ < options_.urgent_share * reference_landmarks;
   return tracked_landmarks_ < options_.keyframe_share * reference_landmarks || need_near;
 }
 
@@ -286,6 +292,7 @@ void Tracker::follow_map_changes() {
   }
   last_from_reference_ =
       last_.camera_from_world * map_.keyframe_pose(last_.reference_keyframe).inverse();
+  resolve_landmarks(map_, last_);
 }
 
 void Tracker::remember(const Frame& frame) {

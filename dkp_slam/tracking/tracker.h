@@ -4,12 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "dkp_slam/localization/place_index.h"
-#include "dkp_slam/map/map.h"
-#include "dkp_slam/mapping/mapper.h"
-#include "dkp_slam/optimization/observation.h"
 #include "dkp_slam/localization/frame.h"
 #include "dkp_slam/localization/matcher.h"
+#include "dkp_slam/localization/place_index.h"
+#include "dkp_slam/map/map.h"
+#include "dkp_slam/optimization/observation.h"
 
 namespace dkp_slam {
 
@@ -62,15 +61,28 @@ struct TrackedPose {
   Se3 camera_from_reference;
 };
 
-/// Localises frame after frame in the map and decides which become keyframes (ORB-SLAM's tracking
-/// thread, Mur-Artal et al. 2015, §V, for RGB-D).
+/// What tracking a frame came to.
+struct TrackingResult {
+  bool localised = false;
+  bool keyframe_due = false;  ///< the frame should become a keyframe, before `settle`
+};
+
+/// Localises frame after frame in the map and says which should become keyframes (ORB-SLAM's
+/// tracking thread, Mur-Artal et al. 2015, §V, for RGB-D).
+///
+/// Two calls a frame: `track`, and `settle` once what it asked for has been done.
 class Tracker {
  public:
-  Tracker(Map& map, const PlaceIndex& places, Mapper& mapper, const MeasurementModel& model,
+  Tracker(Map& map, const PlaceIndex& places, const MeasurementModel& model,
           const TrackerOptions& options);
 
-  /// Localises the frame. Sets its pose and landmarks; true when it was localised.
-  bool track(Frame& frame);
+  /// Localises the frame: sets its pose, reference keyframe and landmarks, each of which is in the
+  /// map and belongs to one feature only. `adjusting`: a local bundle adjustment is under way, for
+  /// which keyframes that are not urgent wait.
+  TrackingResult track(Frame& frame, bool adjusting);
+  /// Takes a frame that was localised as the one to track the next from. `became_keyframe`: it was
+  /// inserted into the map and is its own reference keyframe now.
+  void settle(const Frame& frame, bool became_keyframe);
 
   /// Camera at `seconds` after the last frame from camera at the last frame, were it to move on as
   /// it did; identity while its motion is unknown.
@@ -82,25 +94,24 @@ class Tracker {
 
  private:
   bool can_start(const Frame& frame) const;
-  bool initialize(Frame& frame);
+  TrackingResult initialize(const Frame& frame);
   bool localize(Frame& frame);
-  bool start_another_map(Frame& frame);
+  TrackingResult start_another_map(Frame& frame);
   bool track_by_motion(Frame& frame);
   bool track_reference_keyframe(Frame& frame);
   bool track_local_map(Frame& frame);
   std::vector<int> local_landmarks(Frame& frame) const;
   void drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const;
-  void weigh_evidence(const Frame& frame, const std::vector<FrameMatch>& matches);
+  void weigh_evidence(Frame& frame, const std::vector<FrameMatch>& matches);
   bool carry_by_motion(Frame& frame);
   Se3 predicted_motion(const Frame& frame) const;
-  bool keyframe_is_due(const Frame& frame) const;
+  bool keyframe_is_due(const Frame& frame, bool adjusting) const;
   void correct_shutter(Frame& frame, const Se3& motion) const;
   void follow_map_changes();
   void remember(const Frame& frame);
 
   Map& map_;
   const PlaceIndex& places_;
-  Mapper& mapper_;
   const MeasurementModel model_;
   const TrackerOptions options_;
   TrackingState state_ = TrackingState::not_initialized;

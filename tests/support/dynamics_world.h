@@ -10,9 +10,9 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/synth/true_detections.h"
 #include "dkp_slam/dynamics/dynamics_module.h"
 #include "dkp_slam/feature/orb_extractor.h"
+#include "dkp_slam/synth/true_detections.h"
 #include "tests/support/recording.h"
 
 namespace dkp_slam::testing {

@@ -36,7 +36,7 @@ struct Outcome {
 
 inline Outcome run(std::unique_ptr<RgbdSource> source, std::unique_ptr<Detector> detector,
                    const Camera& camera, DynamicsMode mode) {
-  SlamOptions options;
+  SlamConfig options;
   options.camera = camera;
   options.dynamics.mode = mode;
   Slam slam(options);

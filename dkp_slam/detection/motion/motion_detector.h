@@ -6,9 +6,9 @@
 
 #include <opencv2/core.hpp>
 
+#include "dkp_slam/detection/detector.h"
 #include "dkp_slam/detection/motion/background_model.h"
 #include "dkp_slam/detection/motion/coarse_grid.h"
-#include "dkp_slam/detection/detector.h"
 #include "dkp_slam/detection/motion/ego_motion.h"
 #include "dkp_slam/detection/motion/motion_evidence.h"
 #include "dkp_slam/detection/motion/motion_regions.h"

@@ -4,8 +4,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "dkp_slam/detection/motion/coarse_grid.h"
 #include "dkp_slam/detection/detector.h"
+#include "dkp_slam/detection/motion/coarse_grid.h"
 
 namespace dkp_slam {
 

@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/detection/detector.h"
-#include "dkp_slam/dynamics/masks/clustering.h"
 #include "dkp_slam/dynamics/compensation/dynamic_object.h"
+#include "dkp_slam/dynamics/masks/clustering.h"
 
 namespace dkp_slam {
 

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "dkp_slam/dynamics/removal/epipolar.h"
 #include "dkp_slam/dynamics/motion/feature_motion.h"
-#include "tests/support/dynamics_world.h"
+#include "dkp_slam/dynamics/removal/epipolar.h"
 #include "dkp_slam/geometry/se3.h"
+#include "tests/support/dynamics_world.h"
 
 // D of Eq. 5 under the fundamental matrix of the exact camera poses.
 namespace dkp_slam::testing {

@@ -178,12 +178,13 @@ TEST_F(BenchReport, EveryRunIsListedAndFailedOnesWithTheirReason) {
   const std::size_t runs = page.find("id=\"runs\"");
   EXPECT_EQ(occurrences(page.substr(runs), "<tr>"), 1 + records.size());
   EXPECT_THAT(page.substr(runs), HasSubstr("exit code 1: &lt;camera&gt; broken"));
-  EXPECT_THAT(page.substr(runs),
-              HasSubstr("<th>seed</th><th>frames</th><th>lost</th><th>ATE [m]</th><th>S.D. [m]</th>"
-                        "<th>RPE 1 s [m]</th><th>frame [ms]</th><th>keyframes</th><th>landmarks</th>"
-                        "<th>loops</th><th>joins</th><th>maps</th><th>total [s]</th>"
-                        "<th>processor [s]</th><th>memory [MB]</th><th>others [%]</th>"
-                        "<th>date</th><th>problem</th>"));
+  EXPECT_THAT(
+      page.substr(runs),
+      HasSubstr("<th>seed</th><th>frames</th><th>lost</th><th>ATE [m]</th><th>S.D. [m]</th>"
+                "<th>RPE 1 s [m]</th><th>frame [ms]</th><th>keyframes</th><th>landmarks</th>"
+                "<th>loops</th><th>joins</th><th>maps</th><th>total [s]</th>"
+                "<th>processor [s]</th><th>memory [MB]</th><th>others [%]</th>"
+                "<th>date</th><th>problem</th>"));
   EXPECT_THAT(page.substr(runs),
               HasSubstr("<td>3</td><td>40</td><td>2</td><td>0.01150</td><td>0.00575</td>"
                         "<td>0.03210</td><td>17.8</td><td>17</td><td>1234</td><td>4</td><td>5</td>"

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "dkp_slam/synth/tracing/embree_scene.h"
 #include "dkp_slam/synth/light/light_map.h"
+#include "dkp_slam/synth/tracing/embree_scene.h"
 
 namespace dkp_slam {
 

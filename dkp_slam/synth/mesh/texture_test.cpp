@@ -31,7 +31,8 @@ TEST(Texture, FineChecksFarAwayAreGrey) {
   const Texture texture(image);
   for (const double at : {0.31, 0.4127, 0.5, 0.777}) {
     // A pixel that covers eight texels each way.
-    const cv::Vec3f seen = texture.sample(Vector2d(at, 1.0 - at), Vector2d(8.0 / 64, 0.0), Vector2d(0.0, 8.0 / 64));
+    const cv::Vec3f seen =
+        texture.sample(Vector2d(at, 1.0 - at), Vector2d(8.0 / 64, 0.0), Vector2d(0.0, 8.0 / 64));
     EXPECT_NEAR(seen[0], 150.0, 1.0);
   }
 }

@@ -6,12 +6,12 @@
 
 #include <opencv2/core.hpp>
 
-#include "dkp_slam/synth/tracing/actor_reach.h"
-#include "dkp_slam/synth/render/edge_marks.h"
-#include "dkp_slam/synth/tracing/embree_scene.h"
 #include "dkp_slam/synth/light/light_map.h"
+#include "dkp_slam/synth/render/edge_marks.h"
 #include "dkp_slam/synth/render/renderer.h"
 #include "dkp_slam/synth/render/shading.h"
+#include "dkp_slam/synth/tracing/actor_reach.h"
+#include "dkp_slam/synth/tracing/embree_scene.h"
 #include "dkp_slam/synth/tracing/shutter.h"
 
 namespace dkp_slam {

@@ -6,11 +6,11 @@
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/synth/light/actor_light.h"
-#include "dkp_slam/synth/render/edge_marks.h"
-#include "dkp_slam/synth/tracing/embree_scene.h"
-#include "dkp_slam/synth/render/frame_painter.h"
 #include "dkp_slam/synth/light/light_map.h"
+#include "dkp_slam/synth/render/edge_marks.h"
+#include "dkp_slam/synth/render/frame_painter.h"
 #include "dkp_slam/synth/render/shading.h"
+#include "dkp_slam/synth/tracing/embree_scene.h"
 #include "dkp_slam/synth/tracing/shutter.h"
 
 namespace dkp_slam {

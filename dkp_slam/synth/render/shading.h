@@ -4,9 +4,9 @@
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/synth/light/actor_light.h"
-#include "dkp_slam/synth/tracing/embree_scene.h"
 #include "dkp_slam/synth/light/light_map.h"
 #include "dkp_slam/synth/mesh/texture.h"
+#include "dkp_slam/synth/tracing/embree_scene.h"
 
 namespace dkp_slam {
 

@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
-#include "dkp_slam/synth/room/prints.h"
 #include "dkp_slam/synth/mesh/texture.h"
+#include "dkp_slam/synth/room/prints.h"
 
 namespace dkp_slam {
 namespace {

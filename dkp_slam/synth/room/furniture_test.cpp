@@ -10,8 +10,8 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/synth/render/renderer.h"
 #include "dkp_slam/synth/noise/sensor_effects.h"
+#include "dkp_slam/synth/render/renderer.h"
 
 namespace dkp_slam {
 namespace {

@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/synth/room/prints.h"
 #include "dkp_slam/synth/mesh/texture.h"
+#include "dkp_slam/synth/room/prints.h"
 
 namespace dkp_slam {
 namespace {
