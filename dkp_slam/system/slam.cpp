@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/stopwatch.h"
 
 namespace dkp_slam {
@@ -24,6 +25,7 @@ TrackerOptions tracker_options(const SlamConfig& all) {
   TrackerOptions options = all.tracker;
   options.seed = all.seed;
   options.localize_only = all.localize_only;
+  options.use_belief = options.use_belief && mode_info(all.dynamics.mode).landmark_belief;
   return options;
 }
 
@@ -50,8 +52,8 @@ FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_o
   report.feature_ms = prepared.feature_ms;
   report.detection_ms = prepared.detection_ms;
 
-  FrameDynamics dynamics =
-      dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints, prepared.detections);
+  FrameDynamics dynamics = dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints,
+                                             {prepared.frame.timestamp, true, prepared.detections});
   report.clustering_ms = dynamics.clustering_ms;
   report.removal_ms = dynamics.removal_ms;
   for (const Detection& d : prepared.detections) {
