@@ -13,20 +13,6 @@ DynamicsOptions dynamics_options(const SlamConfig& all) {
   return options;
 }
 
-BackEndOptions back_end_options(const SlamConfig& all) {
-  BackEndOptions options = all.back_end;
-  options.mapper.realtime = all.realtime;
-  options.loops.seed = all.seed;
-  return options;
-}
-
-TrackerOptions tracker_options(const SlamConfig& all) {
-  TrackerOptions options = all.tracker;
-  options.seed = all.seed;
-  options.localize_only = all.localize_only;
-  return options;
-}
-
 }  // namespace
 
 Slam::Slam(const SlamConfig& options, std::optional<Map> stored)
@@ -34,8 +20,10 @@ Slam::Slam(const SlamConfig& options, std::optional<Map> stored)
       map_(stored ? std::move(*stored)
                   : Map(options.camera, options.orb.scale, options.orb.levels)),
       first_keyframe_(map_.keyframe_ids()),
-      back_end_(map_, places_, options.measurement, back_end_options(options)),
-      tracker_(map_, places_, options.measurement, tracker_options(options)),
+      back_end_(map_, places_, options.measurement, options.back_end, options.realtime,
+                options.seed),
+      tracker_(map_, places_, options.measurement, options.tracker, options.localize_only,
+               options.seed),
       dynamics_(options.camera, dynamics_options(options)) {
   for (int k = 0; k < first_keyframe_; ++k) {
     if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
