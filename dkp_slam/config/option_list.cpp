@@ -87,21 +87,24 @@ std::string Option::text() const {
                                                                 : std::string("?");
                                },
                                [](const std::string* value) { return *value; },
+                               [](const std::filesystem::path* value) { return value->string(); },
                                [](const auto* value) { return fmt::format("{}", *value); }},
                     value);
 }
 
 std::string Option::wanted() const {
-  const std::string range = bounds.text().empty() ? "" : " " + bounds.text();
-  return std::visit(Overloaded{[](const Choice& choice) {
-                                 return fmt::format("one of {}", fmt::join(choice.names, ", "));
-                               },
-                               [](const bool*) { return std::string("true or false"); },
-                               [](const std::string*) { return std::string("a text"); },
-                               [&](const int*) { return "a whole number" + range; },
-                               [&](const std::uint64_t*) { return "a whole number" + range; },
-                               [&](const auto*) { return "a number" + range; }},
-                    value);
+  const std::string range = bounds.text().empty() ? "" : fmt::format(" {}", bounds.text());
+  return std::visit(
+      Overloaded{[](const Choice& choice) {
+                   return fmt::format("one of {}", fmt::join(choice.names, ", "));
+                 },
+                 [](const bool*) { return std::string("true or false"); },
+                 [](const std::string*) { return std::string("a text"); },
+                 [](const std::filesystem::path*) { return std::string("a file's path"); },
+                 [&](const int*) { return "a whole number" + range; },
+                 [&](const std::uint64_t*) { return "a whole number" + range; },
+                 [&](const auto*) { return "a number" + range; }},
+      value);
 }
 
 void Option::assign(const std::string& text) {
@@ -119,6 +122,7 @@ void Option::assign(const std::string& text) {
                           *to = text == "true";
                         },
                         [&](std::string* to) { *to = text; },
+                        [&](std::filesystem::path* to) { *to = text; },
                         [&]<class Number>(Number* to) {
                           const auto number = number_of<Number>(text);
                           if (!number || !bounds.hold(static_cast<double>(*number))) refuse();

@@ -2,8 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
-#include <initializer_list>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -42,12 +42,15 @@ struct Choice {
   std::vector<std::string> names;
   std::function<std::size_t()> get;      ///< index into `names`
   std::function<void(std::size_t)> set;  ///< of an index into `names`
+  std::function<std::string()> other;    ///< the value where it is none of the names
 };
 
 /// One field of an options struct: where it lies, and all that there is to say about it.
 struct Option {
   std::string name;  ///< with the parts it lies in: "tracking.belief.moved"
-  std::variant<bool*, int*, std::uint64_t*, float*, double*, std::string*, Choice> value;
+  std::variant<bool*, int*, std::uint64_t*, float*, double*, std::string*, std::filesystem::path*,
+               Choice>
+      value;
   Bounds bounds;        ///< of a number
   std::string unit;     ///< "pixels"; empty where the meaning says it
   std::string meaning;  ///< a few words, for the comment in a configuration file
@@ -90,15 +93,19 @@ class OptionList {
   void add(const char* name, std::string& value, const char* meaning) {
     append({path_ + name, &value, {}, "", meaning});
   }
+  void add(const char* name, std::filesystem::path& value, const char* meaning) {
+    append({path_ + name, &value, {}, "", meaning});
+  }
   /// An enumeration, or a text of which only some are allowed.
   template <class Value>
   void add(const char* name, Value& value,
-           std::initializer_list<std::pair<Value, const char*>> names, const char* meaning) {
+           const std::type_identity_t<std::vector<std::pair<Value, std::string>>>& names,
+           const char* meaning) {
     Choice choice;
     std::vector<Value> values;
     for (const auto& [v, text] : names) {
       values.push_back(v);
-      choice.names.emplace_back(text);
+      choice.names.push_back(text);
     }
     choice.get = [&value, values] {
       std::size_t i = 0;
@@ -106,6 +113,13 @@ class OptionList {
       return i;
     };
     choice.set = [&value, values](std::size_t i) { value = values.at(i); };
+    choice.other = [&value] {
+      if constexpr (std::is_enum_v<Value>) {
+        return std::to_string(static_cast<long>(value));
+      } else {
+        return value;
+      }
+    };
     append({path_ + name, std::move(choice), {}, "", meaning});
   }
   /// A field that is itself a struct of options.

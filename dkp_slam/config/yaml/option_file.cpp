@@ -81,7 +81,10 @@ std::string read_text(const fs::path& file) {
 /// The value as YAML reads it back: texts in quotes, for they may look like anything.
 std::string scalar(const Option& option) {
   const std::string text = option.text();
-  if (!std::holds_alternative<std::string*>(option.value)) return text;
+  if (!std::holds_alternative<std::string*>(option.value) &&
+      !std::holds_alternative<fs::path*>(option.value)) {
+    return text;
+  }
   std::string quoted = "'";
   for (const char c : text) quoted += c == '\'' ? std::string("''") : std::string(1, c);
   return quoted + "'";
