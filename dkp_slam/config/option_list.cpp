@@ -83,8 +83,7 @@ std::string Bounds::text() const {
 std::string Option::text() const {
   return std::visit(Overloaded{[](const Choice& choice) {
                                  const std::size_t i = choice.get();
-                                 return i < choice.names.size() ? choice.names[i]
-                                                                : std::string("?");
+                                 return i < choice.names.size() ? choice.names[i] : choice.other();
                                },
                                [](const std::string* value) { return *value; },
                                [](const std::filesystem::path* value) { return value->string(); },

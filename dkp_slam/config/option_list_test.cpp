@@ -188,7 +188,7 @@ TEST(OptionList, ChecksFieldValueAndBound) {
   EXPECT_THAT(problem_of([&] { paint.check(); }), HasSubstr("brush.width is nan; it must be"));
   paint.brush.width = 1.0;
   paint.colour = static_cast<Colour>(7);
-  EXPECT_THAT(problem_of([&] { paint.check(); }), HasSubstr("colour is ?; it must be one of"));
+  EXPECT_THAT(problem_of([&] { paint.check(); }), HasSubstr("colour is 7; it must be one of"));
 }
 
 TEST(OptionList, ChecksTheOrderOfTwo) {
