@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/stopwatch.h"
 
 namespace dkp_slam {
@@ -13,6 +14,12 @@ DynamicsOptions dynamics_options(const SlamConfig& all) {
   return options;
 }
 
+TrackerOptions tracker_options(const SlamConfig& all) {
+  TrackerOptions options = all.tracker;
+  options.use_belief = options.use_belief && mode_info(all.dynamics.mode).landmark_belief;
+  return options;
+}
+
 }  // namespace
 
 Engine::Engine(const SlamConfig& config, std::optional<Map> stored)
@@ -20,7 +27,7 @@ Engine::Engine(const SlamConfig& config, std::optional<Map> stored)
       map_(stored ? std::move(*stored) : Map(config.camera, config.orb.scale, config.orb.levels)),
       first_keyframe_(map_.keyframe_ids()),
       back_end_(map_, places_, config.measurement, config.back_end, config.realtime, config.seed),
-      tracker_(map_, places_, config.measurement, config.tracker, config.localize_only,
+      tracker_(map_, places_, config.measurement, tracker_options(config), config.localize_only,
                config.seed),
       dynamics_(config.camera, dynamics_options(config)) {
   for (int k = 0; k < first_keyframe_; ++k) {
@@ -37,8 +44,8 @@ std::shared_ptr<FrameSnapshot> Engine::track(PreparedFrame prepared) {
   result.feature_ms = prepared.feature_ms;
   result.detection_ms = prepared.detection_ms;
 
-  snapshot->dynamics = dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints,
-                                         prepared.detections.detections);
+  snapshot->dynamics =
+      dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints, prepared.detections);
   const FrameDynamics& dynamics = snapshot->dynamics;
   result.clustering_ms = dynamics.clustering_ms;
   result.removal_ms = dynamics.removal_ms;

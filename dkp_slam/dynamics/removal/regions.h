@@ -30,7 +30,11 @@ float suspicious_weight(float distance, float max_distance, float suspicious_sha
 struct ObjectRegions {
   cv::Rect2f box;        ///< pixels
   float weight = 10.0F;  ///< W of its class
+  bool moves_by_itself = true;
 };
+
+/// Label (CV_8UC1) at a raw pixel, which may lie just outside the image.
+int label_at(const cv::Mat& labels, const cv::Point2f& pixel);
 
 /// Region of every keypoint (raw pixels). `labels` is CV_8UC1, image size: 0 outside the masks,
 /// i + 1 in the mask of objects[i].
