@@ -8,6 +8,7 @@
 #include "dkp_slam/localization/matcher.h"
 #include "dkp_slam/localization/pose_refinement.h"
 #include "dkp_slam/localization/relocalizer.h"
+#include "dkp_slam/map/id_map.h"
 
 namespace dkp_slam {
 
@@ -170,10 +171,10 @@ bool Tracker::track_reference_keyframe(Frame& frame) {
 }
 
 std::vector<int> Tracker::local_landmarks(Frame& frame) const {
-  std::vector<int> votes(static_cast<std::size_t>(map_.keyframe_ids()), 0);
+  IdMap<int> votes;
   std::vector<int> keyframes;
   const auto vote = [&](int k) {
-    if (votes[static_cast<std::size_t>(k)]++ == 0) keyframes.push_back(k);
+    if (votes.insert(k).first++ == 0) keyframes.push_back(k);
   };
   for (const int l : frame.landmark) {
     if (l < 0) continue;
@@ -181,8 +182,7 @@ std::vector<int> Tracker::local_landmarks(Frame& frame) const {
   }
   if (keyframes.empty()) vote(frame.reference_keyframe);
   std::sort(keyframes.begin(), keyframes.end(), [&](int a, int b) {
-    const int votes_a = votes[static_cast<std::size_t>(a)];
-    const int votes_b = votes[static_cast<std::size_t>(b)];
+    const int votes_a = *votes.find(a), votes_b = *votes.find(b);
     return votes_a != votes_b ? votes_a > votes_b : a < b;
   });
   frame.reference_keyframe = keyframes.front();

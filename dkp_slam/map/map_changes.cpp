@@ -1,4 +1,4 @@
-#include "dkp_slam/map_file/map_changes.h"
+#include "dkp_slam/map/map_changes.h"
 
 #include <algorithm>
 #include <bit>
