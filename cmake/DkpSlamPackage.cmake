@@ -21,6 +21,7 @@ target_link_libraries(dkp_slam PUBLIC Eigen3::Eigen opencv_core PRIVATE ${core})
 # Ceres stays inside, unseen: a user may have another.
 target_link_options(dkp_slam PRIVATE -Wl,--as-needed -Wl,--no-undefined -Wl,--exclude-libs,ALL)
 
+set(documents ${CMAKE_INSTALL_DATAROOTDIR}/doc/dkp-slam)
 # ONNX Runtime comes along where it is not the system's own.
 set(private_library_folder ${CMAKE_INSTALL_LIBDIR}/dkp-slam)
 if(OnnxRuntime_FOUND AND NOT OnnxRuntime_LIBRARY MATCHES "^/(usr/)?lib/")
@@ -28,7 +29,7 @@ if(OnnxRuntime_FOUND AND NOT OnnxRuntime_LIBRARY MATCHES "^/(usr/)?lib/")
   install(FILES ${folder}/libonnxruntime.so.1 DESTINATION ${private_library_folder}
           PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
   foreach(text LICENSE ThirdPartyNotices.txt)
-    install(FILES ${folder}/../${text} DESTINATION ${CMAKE_INSTALL_DOCDIR}/onnxruntime OPTIONAL)
+    install(FILES ${folder}/../${text} DESTINATION ${documents}/onnxruntime OPTIONAL)
   endforeach()
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${folder})
 endif()
@@ -68,7 +69,7 @@ install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/dkp-slam)
 install(DIRECTORY DESTINATION ${CMAKE_INSTALL_DATADIR}/dkp-slam/models)
 install(PROGRAMS scripts/fetch_model.sh DESTINATION ${CMAKE_INSTALL_BINDIR}
         RENAME dkp-slam-fetch-model)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(FILES LICENSE DESTINATION ${documents} RENAME copyright)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME dkp-slam)
