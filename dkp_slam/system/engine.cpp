@@ -13,28 +13,14 @@ DynamicsOptions dynamics_options(const SlamConfig& all) {
   return options;
 }
 
-BackEndOptions back_end_options(const SlamConfig& all) {
-  BackEndOptions options = all.back_end;
-  options.mapper.realtime = all.realtime;
-  options.loops.seed = all.seed;
-  return options;
-}
-
-TrackerOptions tracker_options(const SlamConfig& all) {
-  TrackerOptions options = all.tracker;
-  options.seed = all.seed;
-  options.localize_only = all.localize_only;
-  return options;
-}
-
 }  // namespace
 
 Engine::Engine(const SlamConfig& config, std::optional<Map> stored)
     : config_(config),
       map_(stored ? std::move(*stored) : Map(config.camera, config.orb.scale, config.orb.levels)),
       first_keyframe_(map_.keyframe_ids()),
-      back_end_(map_, places_, config.measurement, back_end_options(config)),
-      tracker_(map_, places_, config.measurement, tracker_options(config)),
+      back_end_(map_, places_, config.measurement, config.back_end, config.realtime, config.seed),
+      tracker_(map_, places_, config.measurement, config.tracker, config.localize_only, config.seed),
       dynamics_(config.camera, dynamics_options(config)) {
   for (int k = 0; k < first_keyframe_; ++k) {
     if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);

@@ -12,6 +12,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 enum class TrackingState {
   not_initialized,  ///< waits for a first frame with enough static features with depth
   tracking,
@@ -48,9 +50,9 @@ struct TrackerOptions {
   double most_acceleration = 20.0;
   double most_angular_acceleration = 60.0;
   LandmarkBelief belief;
-  /// Find the camera in the map that is there, and change nothing in it.
-  bool localize_only = false;
-  std::uint64_t seed = 1;  ///< of relocalisation's RANSAC
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// The pose a frame was given when it was tracked, kept relative to its reference keyframe, so that
@@ -73,8 +75,10 @@ struct TrackingResult {
 /// Two calls a frame: `track`, and `settle` once what it asked for has been done.
 class Tracker {
  public:
+  /// `localize_only`: find the camera in the map that is there, and change nothing in it. `seed`
+  /// is of relocalisation's RANSAC.
   Tracker(Map& map, const PlaceIndex& places, const MeasurementModel& model,
-          const TrackerOptions& options);
+          const TrackerOptions& options, bool localize_only = false, std::uint64_t seed = 1);
 
   /// Localises the frame: sets its pose, reference keyframe and landmarks, each of which is in the
   /// map and belongs to one feature only. `adjusting`: a local bundle adjustment is under way, for
@@ -114,6 +118,8 @@ class Tracker {
   const PlaceIndex& places_;
   const MeasurementModel model_;
   const TrackerOptions options_;
+  const bool localize_only_;
+  const std::uint64_t seed_;
   TrackingState state_ = TrackingState::not_initialized;
   Frame last_;
   Se3 last_from_reference_;

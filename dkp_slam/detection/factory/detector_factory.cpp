@@ -7,6 +7,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "dkp_slam/detection/yolox/yolox_decode.h"
 #include "dkp_slam/detection/yolox/yolox_network.h"
 #include "dkp_slam/error.h"
 
@@ -57,11 +58,7 @@ void check(const YoloxOptions& options) {
   if (!fs::is_regular_file(options.model)) {
     throw Error("no model file '" + model + "'; " + model_advice());
   }
-  if (options.threads < 1) throw Error("the detector needs at least 1 thread");
-  const auto share = [](float v) { return v >= 0.0F && v <= 1.0F; };
-  if (!share(options.decode.lowest_score) || !share(options.decode.nms_iou)) {
-    throw Error("the detector's lowest score and overlap must be from 0 to 1");
-  }
+  options.check();
 }
 
 std::optional<fs::path> model_in(const fs::path& folder) {

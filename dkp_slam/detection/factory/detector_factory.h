@@ -6,24 +6,10 @@
 #include <string>
 
 #include "dkp_slam/detection/detector.h"
-#include "dkp_slam/detection/motion/motion_detector.h"
-#include "dkp_slam/detection/yolox/yolox_options.h"
+#include "dkp_slam/detection/options/detector_options.h"
 #include "dkp_slam/geometry/camera.h"
 
 namespace dkp_slam {
-
-enum class DetectorKind {
-  automatic,  ///< YOLOX where a model is found, else motion
-  yolox,
-  motion,
-  none,
-};
-
-struct DetectorOptions {
-  DetectorKind kind = DetectorKind::automatic;
-  YoloxOptions yolox;  ///< an empty model path is filled in by `find_model`
-  MotionDetectorOptions motion;
-};
 
 /// The detector of the options' kind; null for none. Logs which one runs and, where it is motion
 /// for want of a model, how to get one. Throws `Error` when a model was asked for (by kind, path or

@@ -13,6 +13,8 @@ class DISOpticalFlow;
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct MotionEvidenceOptions {
   /// Cells by which flow must miss the camera's own flow to count as motion: a constant (dense flow
   /// at grid resolution is good to about a quarter of a cell), or this many times the median
@@ -25,6 +27,9 @@ struct MotionEvidenceOptions {
   /// flow before a cell counts as moving.
   float min_contrast = 4.0F;
   float depth_tolerance = 0.06F;  ///< share of the depth, for "in front of" and "behind"
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// What an earlier frame says about each cell of the current one.
