@@ -79,3 +79,11 @@ run("must fail" ${CMAKE_COMMAND} -DDKP_SLAM_PUBLIC_HEADERS=dkp_slam/bad.h
 if(NOT err MATCHES "bad.h would be installed, but[ \n]+includes[ \n]+<opencv2/highgui.hpp>")
   message(FATAL_ERROR "not refused for its reason:\n${err}")
 endif()
+
+# So is a model that is put there: this one is none, which is said of it by name.
+unset(ENV{DKP_SLAM_MODEL})
+file(WRITE ${stage}/share/dkp-slam/models/yolox_nano.onnx "no model")
+run("must fail" ${stage}/bin/dkp-slam run ${sequence} --detector yolox --out ${WORK}/out)
+if(NOT err MATCHES "share/dkp-slam/models/yolox_nano.onnx")
+  message(FATAL_ERROR "the program does not find the installed model:\n${err}")
+endif()
