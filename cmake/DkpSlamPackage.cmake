@@ -80,11 +80,12 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_RESOURCE_FILE_LICENSE ${CMAKE_SOURCE_DIR}/LICENSE)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "${PROJECT_DESCRIPTION}
- Finds the path of an RGB-D camera and keeps a map of what stands still, on a
- CPU: people are found by a detector, cut out by their depth, and left out of
- the map. The program dkp-slam, the library libdkp_slam and its headers.
- License: Apache-2.0; ONNX Runtime, which comes along, MIT.")
+# Below its first line, which is the project's.
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+"Finds the path of an RGB-D camera and keeps a map of what stands still, on a
+CPU: people are found by a detector, cut out by their depth, and left out of
+the map. The program dkp-slam, the library libdkp_slam and its headers.
+Licence: Apache-2.0; ONNX Runtime, which comes along, MIT.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "curl, ca-certificates")
