@@ -20,7 +20,8 @@ Engine::Engine(const SlamConfig& config, std::optional<Map> stored)
       map_(stored ? std::move(*stored) : Map(config.camera, config.orb.scale, config.orb.levels)),
       first_keyframe_(map_.keyframe_ids()),
       back_end_(map_, places_, config.measurement, config.back_end, config.realtime, config.seed),
-      tracker_(map_, places_, config.measurement, config.tracker, config.localize_only, config.seed),
+      tracker_(map_, places_, config.measurement, config.tracker, config.localize_only,
+               config.seed),
       dynamics_(config.camera, dynamics_options(config)) {
   for (int k = 0; k < first_keyframe_; ++k) {
     if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
@@ -66,7 +67,7 @@ void Engine::localize(const PreparedFrame& prepared, FrameSnapshot& snapshot) {
   back_end_.advance(frame.index);
   const TrackingResult tracked = tracker_.track(frame, back_end_.adjusting());
   if (tracked.keyframe_due) back_end_.insert_keyframe(frame);
-  if (tracked.localised) tracker_.settle(frame, tracked.keyframe_due);
+  if (tracked.localised) poses_.add(tracker_.settle(frame, tracked.keyframe_due));
 
   FrameResult& result = snapshot.result;
   result.tracking_ms = watch.ms();
@@ -91,10 +92,10 @@ void Engine::finish(const std::atomic<bool>* stop) {
 
 std::vector<int> Engine::maps_in_use() const {
   std::vector<int> frames(static_cast<std::size_t>(map_.maps()), 0), used;
-  for (const TrackedPose& p : tracker_.poses()) {
+  poses_.for_each([&](const TrackedPose& p) {
     const int which = map_.keyframe(p.reference_keyframe).map;
     if (frames[static_cast<std::size_t>(which)]++ == 0) used.push_back(which);
-  }
+  });
   std::stable_sort(used.begin(), used.end(), [&](int a, int b) {
     return frames[static_cast<std::size_t>(a)] > frames[static_cast<std::size_t>(b)];
   });
@@ -104,13 +105,13 @@ std::vector<int> Engine::maps_in_use() const {
 std::vector<Trajectory> Engine::trajectories() const {
   const std::vector<int> used = maps_in_use();
   std::vector<Trajectory> paths(used.size());
-  for (const TrackedPose& p : tracker_.poses()) {
+  poses_.for_each([&](const TrackedPose& p) {
     const int which = map_.keyframe(p.reference_keyframe).map;
     const auto path = std::find(used.begin(), used.end(), which) - used.begin();
     const Se3 camera_from_world =
         p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe);
     paths[static_cast<std::size_t>(path)].push_back({p.timestamp, camera_from_world.inverse()});
-  }
+  });
   return paths;
 }
 

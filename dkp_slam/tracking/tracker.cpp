@@ -44,13 +44,14 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
   return {true, tracked_landmarks_ > 0 && keyframe_is_due(frame, adjusting)};
 }
 
-void Tracker::settle(const Frame& frame, bool became_keyframe) {
+TrackedPose Tracker::settle(const Frame& frame, bool became_keyframe) {
   if (became_keyframe) {
     keyframe_time_ = frame.timestamp;
     // The first of a map: what it made is what is tracked.
     if (tracked_landmarks_ == 0) tracked_landmarks_ = frame.tracked_landmarks();
   }
   remember(frame);
+  return {frame.timestamp, frame.reference_keyframe, last_from_reference_};
 }
 
 bool Tracker::localize(Frame& frame) {
@@ -304,7 +305,6 @@ void Tracker::remember(const Frame& frame) {
   last_ = frame;
   last_from_reference_ =
       frame.camera_from_world * map_.keyframe_pose(frame.reference_keyframe).inverse();
-  poses_.push_back({frame.timestamp, frame.reference_keyframe, last_from_reference_});
 }
 
 }  // namespace dkp_slam
