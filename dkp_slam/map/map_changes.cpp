@@ -1,10 +1,10 @@
-#include "dkp_slam/map_file/map_changes.h"
+#include "dkp_slam/map/map_changes.h"
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
 
-#include "dkp_slam/map/map_parts.h"
+#include "dkp_slam/map/map_snapshot.h"
 
 namespace dkp_slam {
 namespace {
