@@ -1,4 +1,4 @@
-#include "dkp_slam/dynamics/compensation/box_tracker.h"
+#include "dkp_slam/dynamics/compensation/object_tracker.h"
 
 #include <gtest/gtest.h>
 
@@ -15,8 +15,8 @@ Detection person(float x, float score, float y = 100.0F) {
   return d;
 }
 
-TEST(BoxTracker, StartsAboveOneScoreAndContinuesAboveALowerOne) {
-  BoxTracker tracker({});
+TEST(ObjectTracker, StartsAboveOneScoreAndContinuesAboveALowerOne) {
+  ObjectTracker tracker({});
   tracker.update(0.0, image, {person(200, 0.2F)}, {});
   EXPECT_TRUE(tracker.objects().empty());
   tracker.update(0.1, image, {person(200, 0.5F)}, {});
@@ -29,8 +29,8 @@ TEST(BoxTracker, StartsAboveOneScoreAndContinuesAboveALowerOne) {
   EXPECT_FLOAT_EQ(tracker.objects()[0].object.box.x, 210.0F);
 }
 
-TEST(BoxTracker, CarriesABoxThroughABurstOfMissesByTheFlow) {
-  BoxTracker tracker({});
+TEST(ObjectTracker, CarriesABoxThroughABurstOfMissesByTheFlow) {
+  ObjectTracker tracker({});
   tracker.update(0.0, image, {person(200, 0.8F)}, {});
   for (int i = 1; i <= 30; ++i) {  // a second without detections, 4 px a frame
     tracker.update(i / 30.0, image, {}, {cv::Point2f(4.0F, 0.0F)});
@@ -44,9 +44,9 @@ TEST(BoxTracker, CarriesABoxThroughABurstOfMissesByTheFlow) {
   EXPECT_FALSE(tracker.objects()[0].object.compensated);
 }
 
-TEST(BoxTracker, GivesUpAfterATimeWhateverTheFrameRate) {
+TEST(ObjectTracker, GivesUpAfterATimeWhateverTheFrameRate) {
   for (const double rate : {10.0, 30.0, 60.0}) {
-    BoxTracker tracker({});
+    ObjectTracker tracker({});
     tracker.update(0.0, image, {person(200, 0.8F)}, {});
     int frames = 0;
     while (!tracker.objects().empty() && frames < 1000) {
@@ -57,8 +57,8 @@ TEST(BoxTracker, GivesUpAfterATimeWhateverTheFrameRate) {
   }
 }
 
-TEST(BoxTracker, GoesOnWithItsOwnVelocityWithoutFlow) {
-  BoxTracker tracker({});
+TEST(ObjectTracker, GoesOnWithItsOwnVelocityWithoutFlow) {
+  ObjectTracker tracker({});
   tracker.update(0.0, image, {person(200, 0.8F)}, {});
   tracker.update(0.1, image, {}, {cv::Point2f(10.0F, -5.0F)});
   tracker.update(0.3, image, {}, {std::nullopt});
@@ -66,8 +66,8 @@ TEST(BoxTracker, GoesOnWithItsOwnVelocityWithoutFlow) {
   EXPECT_NEAR(tracker.objects()[0].object.box.y, 85.0F, 1e-3F);
 }
 
-TEST(BoxTracker, LetsGoOfWhatLeavesTheImage) {
-  BoxTracker tracker({});
+TEST(ObjectTracker, LetsGoOfWhatLeavesTheImage) {
+  ObjectTracker tracker({});
   tracker.update(0.0, image, {person(500, 0.8F)}, {});
   int frames = 0;
   while (!tracker.objects().empty() && frames < 100) {
@@ -77,8 +77,8 @@ TEST(BoxTracker, LetsGoOfWhatLeavesTheImage) {
   EXPECT_EQ(frames, 7);  // 640 - (500 + 7 * 20) = 0; after 6 frames 20 of 100 px are left
 }
 
-TEST(BoxTracker, DoesNotCarryThingsAndIgnoresFixedOnes) {
-  BoxTracker tracker({});
+TEST(ObjectTracker, DoesNotCarryThingsAndIgnoresFixedOnes) {
+  ObjectTracker tracker({});
   Detection chair = person(50, 0.9F);
   chair.class_id = 56;
   chair.weight = 4.0F;
@@ -92,8 +92,8 @@ TEST(BoxTracker, DoesNotCarryThingsAndIgnoresFixedOnes) {
   EXPECT_TRUE(tracker.objects().empty());
 }
 
-TEST(BoxTracker, KeepsTwoPeopleApart) {
-  BoxTracker tracker({});
+TEST(ObjectTracker, KeepsTwoPeopleApart) {
+  ObjectTracker tracker({});
   tracker.update(0.0, image, {person(100, 0.8F), person(350, 0.7F)}, {});
   tracker.update(0.03, image, {person(345, 0.8F), person(110, 0.7F)}, {});
   ASSERT_EQ(tracker.objects().size(), 2U);
@@ -101,8 +101,8 @@ TEST(BoxTracker, KeepsTwoPeopleApart) {
   EXPECT_FLOAT_EQ(tracker.objects()[1].object.box.x, 345.0F);
 }
 
-TEST(BoxTracker, SeenToMoveIsAsGoodAsDetected) {
-  BoxTracker tracker({});
+TEST(ObjectTracker, SeenToMoveIsAsGoodAsDetected) {
+  ObjectTracker tracker({});
   tracker.update(0.0, image, {person(200, 0.8F)}, {});
   ObjectMask mask;
   mask.area = {100, 50, 50, 125};
@@ -127,8 +127,8 @@ ObjectMask mask_of(const cv::Rect& box, float depth) {
   return mask;
 }
 
-TEST(BoxTracker, ACarriedMaskThatRunsOverIntoTheRoomDoesNotTakeTheBoxAlong) {
-  BoxTracker tracker({});
+TEST(ObjectTracker, ACarriedMaskThatRunsOverIntoTheRoomDoesNotTakeTheBoxAlong) {
+  ObjectTracker tracker({});
   tracker.add_moving(mask_of({200, 100, 100, 200}, 2.0F));
   for (int i = 0; i < 30; ++i) {
     tracker.update(i / 30.0, image, {}, {cv::Point2f(0.0F, 0.0F)});
@@ -144,8 +144,8 @@ TEST(BoxTracker, ACarriedMaskThatRunsOverIntoTheRoomDoesNotTakeTheBoxAlong) {
   EXPECT_NEAR(box.x + 0.5F * box.width, 250.0F, 4.0F);
 }
 
-TEST(BoxTracker, ACarriedObjectThatComesNearerGrows) {
-  BoxTracker tracker({});
+TEST(ObjectTracker, ACarriedObjectThatComesNearerGrows) {
+  ObjectTracker tracker({});
   tracker.add_moving(mask_of({200, 100, 100, 200}, 3.0F));
   tracker.update(0.1, image, {}, {cv::Point2f(0.0F, 0.0F)});
   tracker.set_mask(0, mask_of({150, 0, 200, 400}, 1.5F), true);

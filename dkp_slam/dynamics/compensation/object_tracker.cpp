@@ -1,4 +1,4 @@
-#include "dkp_slam/dynamics/compensation/box_tracker.h"
+#include "dkp_slam/dynamics/compensation/object_tracker.h"
 
 #include <algorithm>
 #include <tuple>
@@ -20,9 +20,14 @@ cv::Rect2f mask_box(const ObjectMask& mask) {
   return cv::Rect2f(cv::Rect(r.x * step, r.y * step, r.width * step, r.height * step));
 }
 
+/// How far an object moved since the frame before, pixels of the view.
+cv::Point view_shift(const ObjectTracker::Tracked& t) {
+  return {cvRound(t.shift.x / DepthView::step), cvRound(t.shift.y / DepthView::step)};
+}
+
 /// The part of a carried object's box that an object of the size last seen can fill.
-cv::Rect2f limited(const cv::Rect2f& box, const BoxTracker::Tracked& t,
-                   const BoxTrackerOptions& options) {
+cv::Rect2f limited(const cv::Rect2f& box, const ObjectTracker::Tracked& t,
+                   const ObjectTrackerOptions& options) {
   float growth = options.carried_growth;
   // What has come nearer looks larger.
   if (t.seen_depth > 0.0F && t.object.mean_depth > 0.0F) {
@@ -41,8 +46,8 @@ float box_iou(const cv::Rect2f& a, const cv::Rect2f& b) {
   return all > 0.0F ? common / all : 0.0F;
 }
 
-void BoxTracker::predict(double dt, const cv::Size& image,
-                         const std::vector<std::optional<cv::Point2f>>& flow) {
+void ObjectTracker::predict(double dt, const cv::Size& image,
+                            const std::vector<std::optional<cv::Point2f>>& flow) {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     Tracked& t = objects_[i];
     const auto seconds = static_cast<float>(dt);
@@ -55,9 +60,9 @@ void BoxTracker::predict(double dt, const cv::Size& image,
   }
 }
 
-void BoxTracker::update(double time, const cv::Size& image,
-                        const std::vector<Detection>& detections,
-                        const std::vector<std::optional<cv::Point2f>>& flow) {
+void ObjectTracker::update(double time, const cv::Size& image,
+                           const std::vector<Detection>& detections,
+                           const std::vector<std::optional<cv::Point2f>>& flow) {
   predict(objects_.empty() ? 0.0 : time - last_time_, image, flow);
   last_time_ = time;
 
@@ -69,10 +74,11 @@ void BoxTracker::update(double time, const cv::Size& image,
       const int known_class = objects_[o].object.class_id;
       // What was only seen to move takes the name of the first detection that fits.
       const bool same =
-          detection.class_id == known_class ||
-          (known_class == Detection::motion_class && detection.weight >= options_.min_weight);
+          detection.class_id == known_class || (known_class == Detection::motion_class &&
+                                                detection.weight >= options_.self_moving_weight);
       if (detection.weight <= 1.0F || !same) continue;
-      const bool weak_is_enough = options_.compensate && detection.weight >= options_.min_weight;
+      const bool weak_is_enough =
+          options_.compensate && detection.weight >= options_.self_moving_weight;
       const float needed = weak_is_enough ? options_.continue_score : options_.start_score;
       if (detection.score < needed) continue;
       const float iou = box_iou(objects_[o].object.box, detection.box);
@@ -89,6 +95,7 @@ void BoxTracker::update(double time, const cv::Size& image,
     t.whole_box = d.box;
     t.object.class_id = d.class_id;
     t.object.weight = d.weight;
+    t.object.moves_by_itself = d.weight >= options_.self_moving_weight;
     t.object.score = d.score;
     t.object.compensated = false;
     t.object.last_detected = t.last_confirmed = time;
@@ -111,24 +118,69 @@ void BoxTracker::update(double time, const cv::Size& image,
     objects_.push_back(std::move(fresh));
   }
 
-  const auto gone = [&](const Tracked& t) {
-    if (!t.object.compensated) return false;
-    if (!options_.compensate || t.object.weight < options_.min_weight) return true;
-    if (time - t.last_confirmed > options_.carry_seconds) return true;
-    if (t.object.box.area() < options_.leaving_share * t.whole_box.area()) return true;
-    return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& other) {
-      return !other.object.compensated && other.object.class_id == t.object.class_id &&
-             (other.object.box & t.object.box).area() >
-                 options_.duplicate_share * t.object.box.area();
-    });
-  };
-  std::vector<bool> flags;
-  flags.reserve(objects_.size());
-  for (const Tracked& t : objects_) flags.push_back(gone(t));
-  remove(flags);
+  dropped_by_a_miss_ = 0;
+  std::vector<bool> gone;
+  gone.reserve(objects_.size());
+  for (const Tracked& t : objects_) {
+    gone.push_back(is_gone(t));
+    dropped_by_a_miss_ += gone.back() && t.object.moves_by_itself && !carries() && !leaving(t);
+  }
+  remove(gone);
 }
 
-void BoxTracker::set_mask(std::size_t index, const ObjectMask& mask, bool moving) {
+bool ObjectTracker::leaving(const Tracked& t) const {
+  return t.object.box.area() < options_.leaving_share * t.whole_box.area();
+}
+
+bool ObjectTracker::is_gone(const Tracked& t) const {
+  if (!t.object.compensated) return false;
+  if (!options_.compensate || !t.object.moves_by_itself) return true;
+  if (last_time_ - t.last_confirmed > options_.carry_seconds || leaving(t)) return true;
+  return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& other) {
+    return !other.object.compensated && other.object.class_id == t.object.class_id &&
+           (other.object.box & t.object.box).area() >
+               options_.duplicate_share * t.object.box.area();
+  });
+}
+
+std::vector<cv::Rect2f> ObjectTracker::self_moving_boxes() const {
+  std::vector<cv::Rect2f> boxes;
+  for (const Tracked& t : objects_) {
+    if (t.object.moves_by_itself) boxes.push_back(t.object.box);
+  }
+  return boxes;
+}
+
+cv::Mat ObjectTracker::cover(const cv::Size& view_size) const {
+  cv::Mat boxes = cv::Mat::zeros(view_size, CV_8UC1), silhouettes = boxes.clone();
+  bool any = false;
+  for (const Tracked& t : objects_) {
+    if (!t.object.moves_by_itself) continue;
+    any = true;
+    boxes(view_rect(t.object.box, view_size)) = 255;
+    const cv::Point shift = view_shift(t);
+    const cv::Rect to = (t.mask.area + shift) & cv::Rect({0, 0}, view_size);
+    if (t.mask.empty() || to.area() == 0) continue;
+    silhouettes(to).setTo(255, t.mask.mask(to - shift - t.mask.area.tl()));
+  }
+  if (!any) return {};
+  boxes |= silhouettes;
+  constexpr double most = 0.75;  // of the image
+  const bool too_much = cv::countNonZero(boxes) > most * static_cast<double>(boxes.total());
+  return too_much && cv::countNonZero(silhouettes) > 0 ? silhouettes : boxes;
+}
+
+ObjectPrior ObjectTracker::prior_of(const Tracked& t) {
+  ObjectPrior prior;
+  prior.mean_depth = t.object.mean_depth;
+  prior.share = t.object.mask_share;
+  prior.mask = t.mask;
+  prior.shift = view_shift(t);
+  prior.carried = t.object.compensated && !t.mask.empty();
+  return prior;
+}
+
+void ObjectTracker::set_mask(std::size_t index, const ObjectMask& mask, bool moving) {
   Tracked& t = objects_[index];
   t.mask = mask;
   t.object.mean_depth = mask.mean_depth;
@@ -139,7 +191,7 @@ void BoxTracker::set_mask(std::size_t index, const ObjectMask& mask, bool moving
   if (t.object.compensated) t.object.box = t.whole_box = limited(mask_box(mask), t, options_);
 }
 
-void BoxTracker::add_moving(const ObjectMask& mask) {
+void ObjectTracker::add_moving(const ObjectMask& mask) {
   Tracked fresh;
   fresh.object.id = next_id_++;
   fresh.object.class_id = Detection::motion_class;
@@ -153,7 +205,7 @@ void BoxTracker::add_moving(const ObjectMask& mask) {
   objects_.push_back(std::move(fresh));
 }
 
-void BoxTracker::drop_duplicates() {
+void ObjectTracker::drop_duplicates() {
   std::vector<bool> gone(objects_.size(), false);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const Tracked& t = objects_[i];
@@ -172,7 +224,7 @@ void BoxTracker::drop_duplicates() {
   remove(gone);
 }
 
-void BoxTracker::remove(const std::vector<bool>& gone) {
+void ObjectTracker::remove(const std::vector<bool>& gone) {
   std::vector<Tracked> kept;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (!gone[i]) kept.push_back(std::move(objects_[i]));

@@ -11,7 +11,9 @@
 
 namespace dkp_slam {
 
-struct BoxTrackerOptions {
+class OptionList;
+
+struct ObjectTrackerOptions {
   float start_score = 0.3F;      ///< a new object needs this score
   float continue_score = 0.10F;  ///< a known one goes on with this, where the boxes agree
   float continue_iou = 0.3F;     ///< intersection over union by which they agree
@@ -25,17 +27,20 @@ struct BoxTrackerOptions {
   float leaving_share = 0.15F;
   /// Carried objects whose box lies in a detected one's by this share are the same person.
   float duplicate_share = 0.7F;
-  /// Only objects of this weight and more (they move by themselves) are carried: a chair that the
-  /// detector loses has lost nothing.
-  float min_weight = 8.0F;
+  /// Objects of this weight and more move by themselves (people, animals). Only they are carried: a
+  /// chair that the detector loses has lost nothing. Their features need no proof to be removed.
+  float self_moving_weight = 8.0F;
   bool compensate = true;  ///< false: no carrying, no weak continuation
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Missed-detection compensation (paper §3.3): known objects go on living where the detector
 /// misses them, moved by the flow of their own dynamic points.
-class BoxTracker {
+class ObjectTracker {
  public:
-  explicit BoxTracker(const BoxTrackerOptions& options) : options_(options) {}
+  explicit ObjectTracker(const ObjectTrackerOptions& options) : options_(options) {}
 
   /// An object of this frame with what its detection brought along.
   struct Tracked {
@@ -53,6 +58,18 @@ class BoxTracker {
 
   /// Objects after the newest frame, in the order of their id.
   const std::vector<Tracked>& objects() const { return objects_; }
+  /// Boxes of those that move by themselves.
+  std::vector<cv::Rect2f> self_moving_boxes() const;
+  /// Where static planes must not be looked for, CV_8UC1 of the view's size: the boxes of what
+  /// moves by itself, or only its earlier silhouettes moved along when the boxes leave too little.
+  /// Empty when there is nothing of the kind.
+  cv::Mat cover(const cv::Size& view_size) const;
+  /// What the mask cutter is to know of an object.
+  static ObjectPrior prior_of(const Tracked& tracked);
+  bool carries() const { return options_.compensate; }
+  /// Objects that move by themselves and were dropped in the newest frame, because the detector
+  /// missed them and boxes are not carried, though they were not leaving the image.
+  int dropped_by_a_miss() const { return dropped_by_a_miss_; }
 
   /// Takes the detections of the frame at `time` seconds. `flow` holds, for each of `objects()`,
   /// the median flow (pixels since the frame before) of its dynamic points, or nothing where there
@@ -74,10 +91,13 @@ class BoxTracker {
  private:
   void predict(double dt, const cv::Size& image,
                const std::vector<std::optional<cv::Point2f>>& flow);
+  bool leaving(const Tracked& tracked) const;
+  bool is_gone(const Tracked& tracked) const;
 
-  BoxTrackerOptions options_;
+  ObjectTrackerOptions options_;
   std::vector<Tracked> objects_;
   double last_time_ = 0.0;
+  int dropped_by_a_miss_ = 0;
   int next_id_ = 1;
 };
 
