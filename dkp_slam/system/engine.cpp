@@ -8,14 +8,14 @@
 namespace dkp_slam {
 namespace {
 
-DynamicsOptions dynamics_options(const SlamConfig& all) {
-  DynamicsOptions options = all.dynamics;
-  options.seed = all.seed;
-  return options;
+const SlamConfig& checked(const SlamConfig& config) {
+  config.check();
+  return config;
 }
 
+/// The mode may go without the landmarks' belief, too.
 TrackerOptions tracker_options(const SlamConfig& all) {
-  TrackerOptions options = all.tracker;
+  TrackerOptions options = all.tracking;
   options.use_belief = options.use_belief && mode_info(all.dynamics.mode).landmark_belief;
   return options;
 }
@@ -23,13 +23,15 @@ TrackerOptions tracker_options(const SlamConfig& all) {
 }  // namespace
 
 Engine::Engine(const SlamConfig& config, std::optional<Map> stored)
-    : config_(config),
+    : config_(checked(config)),
       map_(stored ? std::move(*stored) : Map(config.camera, config.orb.scale, config.orb.levels)),
       first_keyframe_(map_.keyframe_ids()),
-      back_end_(map_, places_, config.measurement, config.back_end, config.realtime, config.seed),
+      places_(config.places),
+      back_end_(map_, places_, config.measurement,
+                {config.mapping, config.loop, config.close_loops}, config.realtime, config.seed),
       tracker_(map_, places_, config.measurement, tracker_options(config), config.localize_only,
                config.seed),
-      dynamics_(config.camera, dynamics_options(config)) {
+      dynamics_(config.camera, config.dynamics, config.seed) {
   for (int k = 0; k < first_keyframe_; ++k) {
     if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
   }
