@@ -33,13 +33,15 @@ struct DynamicsModule::State {
         options(o),
         seed(s),
         rays(depth_view_rays(c)),
-        parts(make_parts(c, o)) {}
+        parts(make_parts(c, o)),
+        history(c, o.history, o.compensation.longest_delay) {}
 
   cv::Size size;
   DynamicsOptions options;
   std::uint64_t seed;
   cv::Mat rays;
   DynamicsParts parts;
+  MotionHistory history;    // carries answers about earlier images
   cv::Mat previous_labels;  // Work::labels of the frame before
 
   void track(const cv::Mat& grey, const DetectionResult& answer, Work& work);
@@ -52,10 +54,12 @@ struct DynamicsModule::State {
 void DynamicsModule::State::track(const cv::Mat& grey, const DetectionResult& answer, Work& work) {
   const double time = work.frame.timestamp;
   work.motion = parts.motion->track(grey, work.frame.depth, work.points, time);
-  parts.objects->update(time, size, answer.detections,
-                        object_flow(work.points, work.motion.tracks, previous_labels,
-                                    parts.objects->objects().size()));
   work.view = make_depth_view(work.frame.depth, rays);
+  history.add(time, work.view, work.points, work.motion.tracks);
+  parts.objects->update(time, size, answer,
+                        object_flow(work.points, work.motion.tracks, previous_labels,
+                                    parts.objects->objects().size()),
+                        &history);
 }
 
 /// The camera at this frame from the one before, when what lies outside the objects can tell.
@@ -75,6 +79,7 @@ std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
   if (parts.long_baseline) {
     parts.motion->look_back(work.frame.depth, work.points, doubtful, work.motion);
   }
+  if (work.motion.camera_motion) history.set_ego_motion(parts.motion->current_from_previous());
   if (!work.motion.camera_motion || !work.motion.from_low_points) return std::nullopt;
   return work.motion.camera_motion->previous_from_current.inverse();
 }

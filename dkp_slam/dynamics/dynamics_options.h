@@ -19,6 +19,7 @@ struct DynamicsOptions {
   ClusteringOptions clustering;
   StaticPlanesOptions static_planes;
   ObjectTrackerOptions compensation;
+  MotionHistoryOptions history;
   FeatureMotionOptions motion;
   MovingSurfaceOptions surfaces;
   EpipolarOptions epipolar;

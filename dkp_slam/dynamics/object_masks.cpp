@@ -7,7 +7,7 @@
 namespace dkp_slam {
 namespace {
 
-/// False when a carried object is not to be found any more.
+/// False when an object that the detector missed is not to be found in the depth either.
 bool cut_object(const MaskCutter& cutter, const Scene& scene, std::uint64_t seed,
                 ObjectTracker& objects, std::size_t index) {
   const ObjectTracker::Tracked& t = objects.objects()[index];
@@ -18,7 +18,7 @@ bool cut_object(const MaskCutter& cutter, const Scene& scene, std::uint64_t seed
   }
   const ObjectMask mask = cutter.cut(scene, t.object.box, ObjectTracker::prior_of(t), seed);
   objects.set_mask(index, mask, mask.moving);
-  return !t.object.compensated || !(mask.empty() || mask.still);
+  return !t.object.compensated || !t.missed || !(mask.empty() || mask.still);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include "dkp_slam/localization/relocalizer.h"
 #include "dkp_slam/loop/place_joining.h"
-#include "dkp_slam/map/map_parts.h"
+#include "dkp_slam/map/map_snapshot.h"
 
 namespace dkp_slam {
 

@@ -76,7 +76,7 @@ void Engine::localize(const PreparedFrame& prepared, FrameSnapshot& snapshot) {
   back_end_.advance(frame.index);
   const TrackingResult tracked = tracker_.track(frame, back_end_.adjusting());
   if (tracked.keyframe_due) back_end_.insert_keyframe(frame);
-  if (tracked.localised) tracker_.settle(frame, tracked.keyframe_due);
+  if (tracked.localised) poses_.add(tracker_.settle(frame, tracked.keyframe_due));
 
   FrameResult& result = snapshot.result;
   result.tracking_ms = watch.ms();
@@ -101,10 +101,10 @@ void Engine::finish(const std::atomic<bool>* stop) {
 
 std::vector<int> Engine::maps_in_use() const {
   std::vector<int> frames(static_cast<std::size_t>(map_.maps()), 0), used;
-  for (const TrackedPose& p : tracker_.poses()) {
+  poses_.for_each([&](const TrackedPose& p) {
     const int which = map_.keyframe(p.reference_keyframe).map;
     if (frames[static_cast<std::size_t>(which)]++ == 0) used.push_back(which);
-  }
+  });
   std::stable_sort(used.begin(), used.end(), [&](int a, int b) {
     return frames[static_cast<std::size_t>(a)] > frames[static_cast<std::size_t>(b)];
   });
@@ -114,13 +114,13 @@ std::vector<int> Engine::maps_in_use() const {
 std::vector<Trajectory> Engine::trajectories() const {
   const std::vector<int> used = maps_in_use();
   std::vector<Trajectory> paths(used.size());
-  for (const TrackedPose& p : tracker_.poses()) {
+  poses_.for_each([&](const TrackedPose& p) {
     const int which = map_.keyframe(p.reference_keyframe).map;
     const auto path = std::find(used.begin(), used.end(), which) - used.begin();
     const Se3 camera_from_world =
         p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe);
     paths[static_cast<std::size_t>(path)].push_back({p.timestamp, camera_from_world.inverse()});
-  }
+  });
   return paths;
 }
 

@@ -8,6 +8,7 @@
 #include "dkp_slam/localization/matcher.h"
 #include "dkp_slam/localization/pose_refinement.h"
 #include "dkp_slam/localization/relocalizer.h"
+#include "dkp_slam/map/id_map.h"
 
 namespace dkp_slam {
 
@@ -43,13 +44,14 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
   return {true, tracked_landmarks_ > 0 && keyframe_is_due(frame, adjusting)};
 }
 
-void Tracker::settle(const Frame& frame, bool became_keyframe) {
+TrackedPose Tracker::settle(const Frame& frame, bool became_keyframe) {
   if (became_keyframe) {
     keyframe_time_ = frame.timestamp;
     // The first of a map: what it made is what is tracked.
     if (tracked_landmarks_ == 0) tracked_landmarks_ = frame.tracked_landmarks();
   }
   remember(frame);
+  return {frame.timestamp, frame.reference_keyframe, last_from_reference_};
 }
 
 bool Tracker::localize(Frame& frame) {
@@ -175,10 +177,10 @@ bool Tracker::track_reference_keyframe(Frame& frame) {
 }
 
 std::vector<int> Tracker::local_landmarks(Frame& frame) const {
-  std::vector<int> votes(static_cast<std::size_t>(map_.keyframe_ids()), 0);
+  IdMap<int> votes;
   std::vector<int> keyframes;
   const auto vote = [&](int k) {
-    if (votes[static_cast<std::size_t>(k)]++ == 0) keyframes.push_back(k);
+    if (votes.insert(k).first++ == 0) keyframes.push_back(k);
   };
   for (const int l : frame.landmark) {
     if (l < 0) continue;
@@ -186,8 +188,7 @@ std::vector<int> Tracker::local_landmarks(Frame& frame) const {
   }
   if (keyframes.empty()) vote(frame.reference_keyframe);
   std::sort(keyframes.begin(), keyframes.end(), [&](int a, int b) {
-    const int votes_a = votes[static_cast<std::size_t>(a)];
-    const int votes_b = votes[static_cast<std::size_t>(b)];
+    const int votes_a = *votes.find(a), votes_b = *votes.find(b);
     return votes_a != votes_b ? votes_a > votes_b : a < b;
   });
   frame.reference_keyframe = keyframes.front();
@@ -305,7 +306,6 @@ void Tracker::remember(const Frame& frame) {
   last_ = frame;
   last_from_reference_ =
       frame.camera_from_world * map_.keyframe_pose(frame.reference_keyframe).inverse();
-  poses_.push_back({frame.timestamp, frame.reference_keyframe, last_from_reference_});
 }
 
 }  // namespace dkp_slam

@@ -89,15 +89,15 @@ class Tracker {
   /// which keyframes that are not urgent wait.
   TrackingResult track(Frame& frame, bool adjusting);
   /// Takes a frame that was localised as the one to track the next from. `became_keyframe`: it was
-  /// inserted into the map and is its own reference keyframe now.
-  void settle(const Frame& frame, bool became_keyframe);
+  /// inserted into the map and is its own reference keyframe now. Returns its pose for those who
+  /// keep the path.
+  TrackedPose settle(const Frame& frame, bool became_keyframe);
 
   /// Camera at `seconds` after the last frame from camera at the last frame, were it to move on as
   /// it did; identity while its motion is unknown.
   Se3 motion_over(double seconds) const;
 
   TrackingState state() const { return state_; }
-  const std::vector<TrackedPose>& poses() const { return poses_; }
   int tracked_landmarks() const { return tracked_landmarks_; }
 
  private:
@@ -133,7 +133,6 @@ class Tracker {
   double map_time_ = 0.0;             ///< of the last frame that was localised in the map
   std::optional<double> lost_since_;  ///< timestamp of the first frame that was not localised
   int tracked_landmarks_ = 0;
-  std::vector<TrackedPose> poses_;
 };
 
 }  // namespace dkp_slam

@@ -113,7 +113,11 @@ std::optional<fs::path> find_model(const fs::path& wanted) {
   std::error_code no_link;
   const fs::path program = fs::read_symlink("/proc/self/exe", no_link);
   std::vector<fs::path> folders{fs::path("models")};
-  if (!no_link) folders.push_back(program.parent_path() / "models");
+  if (!no_link) {
+    const fs::path folder = program.parent_path();
+    folders.push_back(folder / "models");
+    folders.push_back(folder.parent_path() / "share/dkp-slam/models");
+  }
   const char* cache = std::getenv("XDG_CACHE_HOME");
   const char* home = std::getenv("HOME");
   if (cache != nullptr && *cache != '\0') {
@@ -128,7 +132,7 @@ std::optional<fs::path> find_model(const fs::path& wanted) {
 }
 
 std::string model_advice() {
-  return "scripts/fetch_model.sh gets one from "
+  return "scripts/fetch_model.sh (installed: dkp-slam-fetch-model) gets one from "
          "https://github.com/Megvii-BaseDetection/YOLOX/releases/tag/0.1.1rc0 "
          "(yolox_nano.onnx: sha256 "
          "c789161ed43c8269fcd4e67c67eeeb4e80c622da2eb296a20bc6007bd18a0b7d)";

@@ -24,7 +24,8 @@ std::unique_ptr<Detector> make_yolox_detector(const YoloxOptions& options);
 
 /// Path of the YOLOX model to use: `wanted` when it is not empty, else environment variable
 /// DKP_SLAM_MODEL, else the smallest of yolox_{nano,tiny,s,m,l,x}.onnx in models/ of the current
-/// folder, in models/ beside the program, or in ~/.cache/dkp-slam. Nothing when there is none.
+/// folder, in models/ beside the program, in ../share/dkp-slam/models (where an installation has
+/// it), or in ~/.cache/dkp-slam. Nothing when there is none.
 /// Throws `Error` when `wanted` or the variable names a file that does not exist.
 std::optional<std::filesystem::path> find_model(const std::filesystem::path& wanted = {});
 

@@ -1,11 +1,15 @@
 #pragma once
 
 #include <opencv2/core.hpp>
-#include <opencv2/video/tracking.hpp>
 
 #include "dkp_slam/detection/motion/coarse_grid.h"
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/geometry/se3.h"
+
+// Named only, so that who includes this needs no headers of optical flow.
+namespace cv {
+class DISOpticalFlow;
+}
 
 namespace dkp_slam {
 

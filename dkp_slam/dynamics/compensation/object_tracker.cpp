@@ -1,7 +1,7 @@
 #include "dkp_slam/dynamics/compensation/object_tracker.h"
 
 #include <algorithm>
-#include <tuple>
+#include <cmath>
 
 #include <opencv2/imgproc.hpp>
 
@@ -18,6 +18,48 @@ cv::Rect2f mask_box(const ObjectMask& mask) {
   const cv::Rect r = cv::boundingRect(mask.mask) + mask.area.tl();
   constexpr int step = DepthView::step;
   return cv::Rect2f(cv::Rect(r.x * step, r.y * step, r.width * step, r.height * step));
+}
+
+constexpr double same_time = 1e-4;  // seconds: stamps in text files are rounded
+
+/// Where the object's box was at a time, pixels; nothing when it was not known then.
+std::optional<cv::Rect2f> box_at(const ObjectTracker::Tracked& t, double time) {
+  if (t.past.empty() || time > t.past.back().time + same_time) return t.object.box;
+  if (time < t.past.front().time - same_time) return std::nullopt;
+  return std::min_element(t.past.begin(), t.past.end(),
+                          [&](const auto& a, const auto& b) {
+                            return std::abs(a.time - time) < std::abs(b.time - time);
+                          })
+      ->box;
+}
+
+/// A box seen on the object at an earlier time, moved as the object has moved since.
+cv::Rect2f carried_by(const ObjectTracker::Tracked& t, const cv::Rect2f& box, double time) {
+  if (t.past.empty() || time > t.past.back().time + same_time) return box;
+  cv::Point2f shift = t.shift;
+  float depth_then = t.past.back().depth;
+  for (std::size_t k = t.past.size() - 1; k > 0; --k) {
+    if (t.past[k].time <= time + same_time) break;
+    // The image may lie between two frames, where it was dropped itself.
+    const double length = t.past[k].time - t.past[k - 1].time;
+    const double share = length > 0.0 ? (t.past[k].time - time) / length : 0.0;
+    shift += static_cast<float>(std::min(1.0, share)) * t.past[k].shift;
+    depth_then = t.past[k - 1].depth;
+  }
+  return moved_box(box, shift, depth_then, t.object.mean_depth);
+}
+
+/// `now` drawn out to the borders of the image that the box lay at before: who comes in goes on
+/// beyond what was seen.
+cv::Rect2f kept_at_border(const cv::Rect2f& before, const cv::Rect2f& now, const cv::Size& image) {
+  constexpr float at = 1.5F;  // pixels
+  const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
+  cv::Point2f tl = now.tl(), br = now.br();
+  if (before.x <= at) tl.x = std::min(tl.x, before.x);
+  if (before.y <= at) tl.y = std::min(tl.y, before.y);
+  if (before.br().x >= width - at) br.x = std::max(br.x, before.br().x);
+  if (before.br().y >= height - at) br.y = std::max(br.y, before.br().y);
+  return {tl, br};
 }
 
 /// How far an object moved since the frame before, pixels of the view.
@@ -46,11 +88,14 @@ float box_iou(const cv::Rect2f& a, const cv::Rect2f& b) {
   return all > 0.0F ? common / all : 0.0F;
 }
 
-void ObjectTracker::predict(double dt, const cv::Size& image,
+void ObjectTracker::predict(double time, const cv::Size& image,
                             const std::vector<std::optional<cv::Point2f>>& flow) {
+  const double dt = objects_.empty() ? 0.0 : time - last_time_;
+  const auto seconds = static_cast<float>(dt);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     Tracked& t = objects_[i];
-    const auto seconds = static_cast<float>(dt);
+    t.past.push_back({last_time_, t.object.box, t.object.mean_depth, t.shift});
+    while (time - t.past.front().time > options_.longest_delay + dt) t.past.pop_front();
     if (i < flow.size() && flow[i] && dt > 0.0) t.velocity = *flow[i] / seconds;
     t.shift = t.velocity * seconds;
     t.whole_box += t.shift;
@@ -58,19 +103,17 @@ void ObjectTracker::predict(double dt, const cv::Size& image,
     t.object.compensated = true;
     t.silhouette.release();
   }
+  last_time_ = time;
 }
 
-void ObjectTracker::update(double time, const cv::Size& image,
-                           const std::vector<Detection>& detections,
-                           const std::vector<std::optional<cv::Point2f>>& flow) {
-  predict(objects_.empty() ? 0.0 : time - last_time_, image, flow);
-  last_time_ = time;
-
-  // Known objects take their detections first, the best agreement first.
-  std::vector<std::tuple<float, std::size_t, std::size_t>> pairs;
+/// Pairs of object and detection that agree at the image's time, the best first.
+std::vector<ObjectTracker::Pair> ObjectTracker::agreements(const std::vector<Sighting>& sightings,
+                                                           double image_time) const {
+  std::vector<Pair> pairs;
   for (std::size_t o = 0; o < objects_.size(); ++o) {
-    for (std::size_t d = 0; d < detections.size(); ++d) {
-      const Detection& detection = detections[d];
+    const std::optional<cv::Rect2f> box_then = box_at(objects_[o], image_time);
+    for (std::size_t d = 0; d < sightings.size(); ++d) {
+      const Detection& detection = *sightings[d].detection;
       const int known_class = objects_[o].object.class_id;
       // What was only seen to move takes the name of the first detection that fits.
       const bool same =
@@ -81,43 +124,98 @@ void ObjectTracker::update(double time, const cv::Size& image,
           options_.compensate && detection.weight >= options_.self_moving_weight;
       const float needed = weak_is_enough ? options_.continue_score : options_.start_score;
       if (detection.score < needed) continue;
-      const float iou = box_iou(objects_[o].object.box, detection.box);
+      const float iou = box_then ? box_iou(*box_then, detection.box)
+                                 : box_iou(objects_[o].object.box, sightings[d].now.box);
       if (iou > options_.continue_iou) pairs.emplace_back(iou, o, d);
     }
   }
   std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
     return std::get<0>(a) != std::get<0>(b) ? std::get<0>(a) > std::get<0>(b) : a < b;
   });
+  return pairs;
+}
+
+/// Gives an object its detection, which is now at `box`.
+void ObjectTracker::take(const Detection& d, const cv::Rect2f& box, double image_time,
+                         const cv::Size& image, Tracked& t) const {
+  t.object.box = clipped(box, image);
+  t.whole_box = box;
+  t.object.class_id = d.class_id;
+  t.object.weight = d.weight;
+  t.object.moves_by_itself = d.weight >= options_.self_moving_weight;
+  t.object.score = d.score;
+  t.object.compensated = false;
+  t.object.last_detected = image_time;
+  t.last_confirmed = std::max(t.last_confirmed, image_time);
+  t.missed = false;
+  t.detected_box = d.box;
+  t.seen_size = box.size();
+  t.seen_depth = 0.0F;
+}
+
+void ObjectTracker::associate(const std::vector<Sighting>& sightings, double image_time,
+                              const cv::Size& image) {
+  const bool late = last_time_ - image_time > same_time;
   std::vector<bool> object_taken(objects_.size(), false);
-  std::vector<bool> detection_taken(detections.size(), false);
-  const auto take = [&](Tracked& t, const Detection& d) {
-    t.object.box = clipped(d.box, image);
-    t.whole_box = d.box;
-    t.object.class_id = d.class_id;
-    t.object.weight = d.weight;
-    t.object.moves_by_itself = d.weight >= options_.self_moving_weight;
-    t.object.score = d.score;
-    t.object.compensated = false;
-    t.object.last_detected = t.last_confirmed = time;
-    t.silhouette = d.mask;
-    t.detected_box = d.box;
-    t.seen_size = d.box.size();
-    t.seen_depth = 0.0F;
-  };
-  for (const auto& [iou, o, d] : pairs) {
+  std::vector<bool> detection_taken(sightings.size(), false);
+  for (const auto& [iou, o, d] : agreements(sightings, image_time)) {
     if (object_taken[o] || detection_taken[d]) continue;
     object_taken[o] = detection_taken[d] = true;
-    take(objects_[o], detections[d]);
+    Tracked& t = objects_[o];
+    const Detection& detection = *sightings[d].detection;
+    const cv::Rect2f box =
+        box_at(t, image_time) ? carried_by(t, detection.box, image_time) : sightings[d].now.box;
+    take(detection, kept_at_border(detection.box, box, image), image_time, image, t);
+    if (!late) t.silhouette = detection.mask;
   }
-  for (std::size_t d = 0; d < detections.size(); ++d) {
-    if (detection_taken[d] || detections[d].weight <= 1.0F) continue;
-    if (detections[d].score < options_.start_score || detections[d].box.area() <= 0.0F) continue;
+  for (std::size_t o = 0; o < objects_.size(); ++o) {
+    if (!object_taken[o]) objects_[o].missed = true;
+  }
+  for (std::size_t d = 0; d < sightings.size(); ++d) {
+    const Detection& detection = *sightings[d].detection;
+    if (detection_taken[d] || detection.weight <= 1.0F) continue;
+    if (detection.score < options_.start_score || detection.box.area() <= 0.0F) continue;
     Tracked fresh;
+    const MotionHistory::Carried& now = sightings[d].now;
+    take(detection, kept_at_border(detection.box, now.box, image), image_time, image, fresh);
+    if (late && leaving(fresh)) continue;
     fresh.object.id = next_id_++;
-    take(fresh, detections[d]);
+    if (late) {
+      fresh.mask = now.mask;
+      fresh.shift = now.shift;
+      fresh.velocity = now.velocity;
+      fresh.object.mean_depth = now.depth;
+    } else {
+      fresh.silhouette = detection.mask;
+    }
     objects_.push_back(std::move(fresh));
   }
+}
 
+void ObjectTracker::update(double time, const cv::Size& image, const DetectionResult& answer,
+                           const std::vector<std::optional<cv::Point2f>>& flow,
+                           const MotionHistory* history) {
+  predict(time, image, flow);
+  const bool fresh = answer.answered && answer.timestamp > last_answer_;
+  if (fresh) last_answer_ = answer.timestamp;
+  // A detector that runs ahead of the tracker may know an image that is still to come.
+  const double image_time = std::min(answer.timestamp, time);
+  if (fresh && time - image_time <= options_.longest_delay) {
+    std::vector<Sighting> sightings;
+    for (const Detection& d : answer.detections) {
+      Sighting sighting{&d, {}};
+      sighting.now.box = d.box;
+      if (history && time - image_time > same_time) {
+        if (const auto carried = history->carry(d.box, d.mask, image_time)) sighting.now = *carried;
+      }
+      sightings.push_back(std::move(sighting));
+    }
+    associate(sightings, image_time, image);
+  }
+  drop_gone();
+}
+
+void ObjectTracker::drop_gone() {
   dropped_by_a_miss_ = 0;
   std::vector<bool> gone;
   gone.reserve(objects_.size());
@@ -134,7 +232,7 @@ bool ObjectTracker::leaving(const Tracked& t) const {
 
 bool ObjectTracker::is_gone(const Tracked& t) const {
   if (!t.object.compensated) return false;
-  if (!options_.compensate || !t.object.moves_by_itself) return true;
+  if (t.missed && (!options_.compensate || !t.object.moves_by_itself)) return true;
   if (last_time_ - t.last_confirmed > options_.carry_seconds || leaving(t)) return true;
   return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& other) {
     return !other.object.compensated && other.object.class_id == t.object.class_id &&
@@ -197,6 +295,7 @@ void ObjectTracker::add_moving(const ObjectMask& mask) {
   fresh.object.class_id = Detection::motion_class;
   fresh.object.box = fresh.whole_box = mask_box(mask);
   fresh.object.last_detected = fresh.last_confirmed = last_time_;
+  fresh.missed = true;
   fresh.object.mean_depth = mask.mean_depth;
   fresh.object.mask_share = mask.share;
   fresh.mask = mask;

@@ -1,12 +1,16 @@
 #pragma once
 
+#include <deque>
+#include <limits>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/detection/detector.h"
 #include "dkp_slam/dynamics/compensation/dynamic_object.h"
+#include "dkp_slam/dynamics/compensation/motion_history.h"
 #include "dkp_slam/dynamics/masks/clustering.h"
 
 namespace dkp_slam {
@@ -31,6 +35,8 @@ struct ObjectTrackerOptions {
   /// chair that the detector loses has lost nothing. Their features need no proof to be removed.
   float self_moving_weight = 8.0F;
   bool compensate = true;  ///< false: no carrying, no weak continuation
+  /// Seconds: answers about images longer ago than this tell nothing about now.
+  double longest_delay = 1.0;
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound
@@ -52,8 +58,19 @@ class ObjectTracker {
     ObjectMask mask;    ///< of the newest frame once `set_mask` was called, else of the one before
     cv::Point2f shift;  ///< pixels it moved since the frame before
     double last_confirmed = 0.0;  ///< seconds: detected, or seen to move
-    cv::Size2f seen_size;         ///< of the box when it was last detected, pixels
-    float seen_depth = 0.0F;      ///< T at that time, metres; 0 for unknown
+    /// The newest answer of the detector did not hold it (true for what no detector ever saw): a
+    /// verdict, which having no answer is not.
+    bool missed = false;
+    /// It in an earlier frame: box clipped to the image, T, and the shift into that frame.
+    struct Past {
+      double time = 0.0;
+      cv::Rect2f box;
+      float depth = 0.0F;
+      cv::Point2f shift;
+    };
+    std::deque<Past> past;    ///< the oldest first, over `longest_delay`
+    cv::Size2f seen_size;     ///< of the box when it was last detected, pixels
+    float seen_depth = 0.0F;  ///< T at that time, metres; 0 for unknown
   };
 
   /// Objects after the newest frame, in the order of their id.
@@ -71,12 +88,18 @@ class ObjectTracker {
   /// missed them and boxes are not carried, though they were not leaving the image.
   int dropped_by_a_miss() const { return dropped_by_a_miss_; }
 
-  /// Takes the detections of the frame at `time` seconds. `flow` holds, for each of `objects()`,
-  /// the median flow (pixels since the frame before) of its dynamic points, or nothing where there
-  /// were too few; the object's own velocity then stands in. Detections of weight 1 or less are
-  /// ignored.
-  void update(double time, const cv::Size& image, const std::vector<Detection>& detections,
-              const std::vector<std::optional<cv::Point2f>>& flow);
+  /// Takes the frame at `time` seconds with the detector's newest answer. `flow` holds, for each of
+  /// `objects()`, the median flow (pixels since the frame before) of its dynamic points, or nothing
+  /// where there were too few; the object's own velocity then stands in. Detections of weight 1 or
+  /// less are ignored.
+  ///
+  /// An answer about an earlier image is compared with where objects were then, and its boxes are
+  /// moved as they have moved since; what it sees for the first time is carried by `history` (it
+  /// stays where it was seen without one). Without an answer, or with one that was given before,
+  /// objects live on and nothing is missed.
+  void update(double time, const cv::Size& image, const DetectionResult& answer,
+              const std::vector<std::optional<cv::Point2f>>& flow,
+              const MotionHistory* history = nullptr);
 
   /// Takes over what the clustering found for `objects()[index]`: mask, T and R. A carried object
   /// gets the box around its mask; one that is seen to move lives on as if it had been detected.
@@ -89,14 +112,27 @@ class ObjectTracker {
   void remove(const std::vector<bool>& gone);
 
  private:
-  void predict(double dt, const cv::Size& image,
+  /// A detection, and what it has become since its image.
+  struct Sighting {
+    const Detection* detection;
+    MotionHistory::Carried now;
+  };
+  using Pair = std::tuple<float, std::size_t, std::size_t>;  // agreement, object, sighting
+
+  void predict(double time, const cv::Size& image,
                const std::vector<std::optional<cv::Point2f>>& flow);
+  std::vector<Pair> agreements(const std::vector<Sighting>& sightings, double image_time) const;
+  void associate(const std::vector<Sighting>& sightings, double image_time, const cv::Size& image);
+  void take(const Detection& detection, const cv::Rect2f& box, double image_time,
+            const cv::Size& image, Tracked& tracked) const;
+  void drop_gone();
   bool leaving(const Tracked& tracked) const;
   bool is_gone(const Tracked& tracked) const;
 
   ObjectTrackerOptions options_;
   std::vector<Tracked> objects_;
   double last_time_ = 0.0;
+  double last_answer_ = -std::numeric_limits<double>::infinity();  ///< its image's time, seconds
   int dropped_by_a_miss_ = 0;
   int next_id_ = 1;
 };
