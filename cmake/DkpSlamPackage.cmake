@@ -21,6 +21,7 @@ target_link_libraries(dkp_slam PUBLIC Eigen3::Eigen opencv_core PRIVATE ${core})
 # Ceres stays inside, unseen: a user may have another.
 target_link_options(dkp_slam PRIVATE -Wl,--as-needed -Wl,--no-undefined -Wl,--exclude-libs,ALL)
 
+set(documents ${CMAKE_INSTALL_DATAROOTDIR}/doc/dkp-slam)
 # ONNX Runtime comes along where it is not the system's own.
 set(private_library_folder ${CMAKE_INSTALL_LIBDIR}/dkp-slam)
 if(OnnxRuntime_FOUND AND NOT OnnxRuntime_LIBRARY MATCHES "^/(usr/)?lib/")
@@ -28,7 +29,7 @@ if(OnnxRuntime_FOUND AND NOT OnnxRuntime_LIBRARY MATCHES "^/(usr/)?lib/")
   install(FILES ${folder}/libonnxruntime.so.1 DESTINATION ${private_library_folder}
           PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
   foreach(text LICENSE ThirdPartyNotices.txt)
-    install(FILES ${folder}/../${text} DESTINATION ${CMAKE_INSTALL_DOCDIR}/onnxruntime OPTIONAL)
+    install(FILES ${folder}/../${text} DESTINATION ${documents}/onnxruntime OPTIONAL)
   endforeach()
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${folder})
 endif()
@@ -68,7 +69,7 @@ install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/dkp-slam)
 install(DIRECTORY DESTINATION ${CMAKE_INSTALL_DATADIR}/dkp-slam/models)
 install(PROGRAMS scripts/fetch_model.sh DESTINATION ${CMAKE_INSTALL_BINDIR}
         RENAME dkp-slam-fetch-model)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(FILES LICENSE DESTINATION ${documents} RENAME copyright)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME dkp-slam)
@@ -79,11 +80,12 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_RESOURCE_FILE_LICENSE ${CMAKE_SOURCE_DIR}/LICENSE)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "${PROJECT_DESCRIPTION}
- Finds the path of an RGB-D camera and keeps a map of what stands still, on a
- CPU: people are found by a detector, cut out by their depth, and left out of
- the map. The program dkp-slam, the library libdkp_slam and its headers.
- License: Apache-2.0; ONNX Runtime, which comes along, MIT.")
+# Below its first line, which is the project's.
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+"Finds the path of an RGB-D camera and keeps a map of what stands still, on a
+CPU: people are found by a detector, cut out by their depth, and left out of
+the map. The program dkp-slam, the library libdkp_slam and its headers.
+Licence: Apache-2.0; ONNX Runtime, which comes along, MIT.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "curl, ca-certificates")

@@ -131,8 +131,10 @@ Problems include_problems(const Tree& tree, const std::vector<std::string>& fold
   for (const auto& [path, text] : tree) {
     if (!is_source(path) || serves_tests(path) || !path.starts_with("dkp_slam/")) continue;
     const std::string folder = folder_of(path);
-    if (place_of(folders, folder) < 0)
+    if (place_of(folders, folder) < 0) {
       problems.push_back(path + ": its folder is not in the table of docs/architecture.md");
+      continue;
+    }
     for (const std::string& other : quoted_includes(text)) {
       if (generated.contains(other)) continue;
       if (!tree.contains(other) || !other.starts_with("dkp_slam/")) {
@@ -169,8 +171,11 @@ Problems target_problems(const Tree& tree, const std::vector<std::string>& folde
     std::smatch match;
     if (!std::regex_search(text, match, call)) continue;
     const int own = place_of(targets, match[1]);
-    if (own < 0 || own != place_of(folders, folder_of(path)))
-      problems.push_back(path + ": target " + match[1].str() + " has not its folder's name");
+    if (own < 0 || own != place_of(folders, folder_of(path))) {
+      problems.push_back(path + ": target " + match[1].str() + " is not named as its folder, or " +
+                         "that is not in the table of docs/architecture.md");
+      continue;
+    }
     std::istringstream words(match[2]);
     bool uses = false;
     for (std::string word; words >> word;) {
@@ -211,6 +216,7 @@ Problems dead_paths(const std::string& page) {
       R"(`((?:apps|bench|cmake|config|dkp_slam|docs|examples|scripts|tests)/[A-Za-z0-9_./-]*)`)");
   Problems problems;
   const std::string text = read(root / page);
+  if (text.empty()) problems.push_back(page + " is not there");
   for (std::sregex_iterator i(text.begin(), text.end(), path), end; i != end; ++i) {
     if (!fs::exists(root / (*i)[1].str()))
       problems.push_back(page + " names " + (*i)[1].str() + ", which is not there");
@@ -307,7 +313,7 @@ TEST(ArchitectureChecks, FindATargetThatUsesWhatIsAboveIt) {
               ElementsAre("dkp_slam/low/CMakeLists.txt: uses high, which is not below it"));
   EXPECT_THAT(
       target_problems({{"dkp_slam/low/CMakeLists.txt", "dkp_slam_library(other)\n"}}, two_folders),
-      ElementsAre(HasSubstr("has not its folder's name")));
+      ElementsAre(HasSubstr("is not named as its folder")));
 }
 
 TEST(ArchitectureChecks, FindFilesOfAnotherForm) {

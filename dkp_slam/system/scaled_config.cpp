@@ -15,19 +15,22 @@ constexpr int least_levels = 3;
 SlamConfig scaled_to_camera(const SlamConfig& config) {
   const SensorScale scale = SensorScale::of(config.camera);
   SlamConfig scaled = config;
-  // The pyramid's coarsest level sees the same angle: beyond it a small image has no corners that
-  // are worth it, and a large one loses sight of what is near.
-  scaled.orb.levels = std::max(least_levels, config.orb.levels + static_cast<int>(std::lround(
-                                                 std::log(scale.pixels) /
-                                                 std::log(config.orb.scale))));
-  // What a pixel's noise stands for (blur, lens, shutter, where a corner is) is an angle too.
-  scaled.measurement.pixel_sigma = scale.pixels * config.measurement.pixel_sigma;
+  if (scale.pixels < 1.0) {
+    // What the pixel noise stands for (blur, lens, depth read beside the corner) is an angle, and
+    // levels coarser than the last one's angle at 640 have no corners that are worth it. A larger
+    // image shows its corners as sharply as it can: there both stay (measured: 1280 with twice the
+    // noise and four more levels has twice the error).
+    scaled.measurement.pixel_sigma = scale.pixels * config.measurement.pixel_sigma;
+    const double levels_less = std::log(1.0 / scale.pixels) / std::log(config.orb.scale);
+    scaled.orb.levels =
+        std::max(std::min(least_levels, config.orb.levels),
+                 config.orb.levels - static_cast<int>(std::lround(levels_less)));
+  }
   // How far off a camera's predicted motion is, is an angle, and grows with the time between frames.
-  scaled.tracker.motion_radius =
-      static_cast<float>(scale.per_frame(scale.pixels * config.tracker.motion_radius));
-  MapperOptions& mapper = scaled.back_end.mapper;
-  mapper.bundle_delay = scale.frames_of(config.back_end.mapper.bundle_delay);
-  mapper.full.delay = scale.frames_of(config.back_end.mapper.full.delay);
+  scaled.tracking.motion_radius =
+      static_cast<float>(scale.per_frame(scale.pixels * config.tracking.motion_radius));
+  scaled.mapping.bundle_delay = scale.frames_of(config.mapping.bundle_delay);
+  scaled.mapping.full.delay = scale.frames_of(config.mapping.full.delay);
   return scaled;
 }
 

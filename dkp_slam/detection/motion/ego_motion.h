@@ -9,11 +9,14 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 /// Pixels and frames are those of images 640 wide at 30 Hz; the estimator scales them to its camera
 /// (see SensorScale).
 struct EgoMotionOptions {
-  /// Pixels of the half-size image, 320 wide; each block of this size gives its best corner. Even spread: the
-  /// room keeps its say beside a person in a checked shirt. 16 gives up to 300 at 640 x 480.
+  /// Pixels of the half-size image, 320 wide; each block of this size gives its best corner. Even
+  /// spread: the room keeps its say beside a person in a checked shirt. 16 gives up to 300 at
+  /// 640 x 480.
   int block = 16;
   float min_quality = 0.003F;  ///< least response of a corner, as a share of the image's best
   /// Pixels of the full image that a static point may miss its predicted place by. Flow at half
@@ -28,6 +31,9 @@ struct EgoMotionOptions {
   double usual_shift = 0.01;
   double usual_turn = 0.005;
   int min_points = 12;  ///< fewer matches with depth give no motion
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 struct EgoMotion {
