@@ -31,11 +31,11 @@ namespace dkp_slam::apps {
 namespace fs = std::filesystem;
 namespace {
 
-const std::map<std::string, DynamicsMode> modes{{"off", DynamicsMode::off},
-                                                {"d", DynamicsMode::d},
-                                                {"dk", DynamicsMode::dk},
-                                                {"dkp", DynamicsMode::dkp},
-                                                {"dkp+", DynamicsMode::dkp_plus}};
+std::map<std::string, DynamicsMode> modes() {
+  std::map<std::string, DynamicsMode> all;
+  for (const ModeInfo& m : dynamics_modes()) all.emplace(m.name, m.mode);
+  return all;
+}
 const std::map<std::string, DetectorKind> detectors{{"auto", DetectorKind::automatic},
                                                     {"yolox", DetectorKind::yolox},
                                                     {"motion", DetectorKind::motion},
@@ -76,7 +76,7 @@ nlohmann::ordered_json describe(const RunOptions& options) {
   nlohmann::ordered_json json;
   json["sequence"] = options.sequence;
   json["camera"] = options.camera;
-  json["mode"] = mode_name(options.mode);
+  json["mode"] = mode_info(options.mode).name;
   json["model"] = yolox ? options.detector.yolox.model.string() : "";
   json["detections"] = options.detections.string();
   json["classes"] = options.classes.string();
@@ -246,11 +246,6 @@ void add_detector_options(CLI::App& command, RunOptions& options) {
 
 }  // namespace
 
-std::string mode_name(DynamicsMode mode) {
-  return std::find_if(modes.begin(), modes.end(), [&](const auto& m) { return m.second == mode; })
-      ->first;
-}
-
 void add_run_command(CLI::App& program) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = program.add_subcommand(
@@ -261,9 +256,9 @@ void add_run_command(CLI::App& program) {
                       "SEQUENCE/camera.yaml, else by the folder's name");
   command
       ->add_option("--mode", options->mode,
-                   "What is removed: off (nothing), d (boxes), dk (clustered masks), dkp (the "
-                   "paper), dkp+ (the paper, improved)")
-      ->transform(CLI::CheckedTransformer(modes).description(names_of(modes)))
+                   "What is removed: off (nothing), paper (the paper to the letter), d (boxes), dk "
+                   "(clustered masks), dkp (region and epipolar rule), dkp+ (ours); docs/modes.md")
+      ->transform(CLI::CheckedTransformer(modes()).description(mode_names()))
       ->default_str("dkp+");
   add_detector_options(*command, *options);
   auto* realtime =

@@ -23,12 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::map<std::string, DynamicsMode> modes{{"off", DynamicsMode::off},
-                                                {"d", DynamicsMode::d},
-                                                {"dk", DynamicsMode::dk},
-                                                {"dkp", DynamicsMode::dkp},
-                                                {"dkp+", DynamicsMode::dkp_plus}};
-
 // The system runs in this program, so this program decides what comes out.
 const char* const this_program = "/proc/self/exe";
 
@@ -103,7 +97,7 @@ std::optional<MaskFigures> measure_masks(const MeasureOptions& options, const Ru
   const fs::path sequence = options.data / key.sequence;
   SlamConfig slam_options;
   slam_options.camera = load_camera((options.config / camera_file(key.sequence)).string());
-  slam_options.dynamics.mode = modes.at(key.mode);
+  slam_options.dynamics.mode = mode_named(key.mode);
   slam_options.seed = key.seed;
   slam_options.final_adjustment = false;  // masks are there before it
   Slam slam(slam_options, detector_of(options, slam_options.camera));

@@ -133,15 +133,10 @@ class OptionList {
     path_ = outer;
     fields_ = outer_fields + 1;
   }
-  /// The same, its fields named as if they were of this struct.
-  template <class Part>
-  void add_fields_of(Part& part) {
-    const std::size_t outer_fields = fields_;
-    describe(part);
-    fields_ = outer_fields + 1;
-  }
   /// A field that is no option: it comes from a file of its own, or from the program.
   void leave_out() { ++fields_; }
+  /// The option added last is a field of a part, which leaves it out, and not of this struct.
+  void of_a_part() { --fields_; }
   /// That one option of this struct must not be larger than another, both added already.
   void order(const char* smaller, const char* larger);
 

@@ -62,12 +62,22 @@ struct HoldsForgetful {
   void describe(OptionList& list) { list.add_part("part", part, "that forgets a field"); }
 };
 
-struct Spread {
-  Brush brush;
-  bool fast = false;
+/// Names a field of its part as if it were its own.
+struct Toolbox {
+  struct Hammer {
+    int weight = 3, age = 1;
+    void describe(OptionList& list) {
+      list.add("weight", weight, any_number(), "", "of it");
+      list.leave_out();  // the age
+    }
+  };
+  Hammer hammer;
+  bool open = false;
   void describe(OptionList& list) {
-    list.add_fields_of(brush);
-    list.add("fast", fast, "or slow");
+    list.add("age", hammer.age, any_number(), "years", "of the hammer");
+    list.of_a_part();
+    list.add_part("hammer", hammer, "to hit with");
+    list.add("open", open, "or shut");
   }
 };
 
@@ -98,8 +108,8 @@ TEST(OptionList, NamesFieldsWithTheirParts) {
   EXPECT_THAT(names_of(OptionList::of(paint)),
               ElementsAre("thickness", "seed", "wet", "name", "colour", "brush.width",
                           "brush.hairs", "least", "most"));
-  Spread spread;
-  EXPECT_THAT(names_of(OptionList::of(spread)), ElementsAre("width", "hairs", "fast"));
+  Toolbox box;
+  EXPECT_THAT(names_of(OptionList::of(box)), ElementsAre("age", "hammer.weight", "open"));
 }
 
 TEST(OptionList, AForgottenFieldIsAMistakeOfTheProgram) {

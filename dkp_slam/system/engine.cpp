@@ -2,27 +2,36 @@
 
 #include <algorithm>
 
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/stopwatch.h"
 
 namespace dkp_slam {
 namespace {
 
-DynamicsOptions dynamics_options(const SlamConfig& all) {
-  DynamicsOptions options = all.dynamics;
-  options.seed = all.seed;
+const SlamConfig& checked(const SlamConfig& config) {
+  config.check();
+  return config;
+}
+
+/// The mode may go without the landmarks' belief, too.
+TrackerOptions tracker_options(const SlamConfig& all) {
+  TrackerOptions options = all.tracking;
+  options.use_belief = options.use_belief && mode_info(all.dynamics.mode).landmark_belief;
   return options;
 }
 
 }  // namespace
 
 Engine::Engine(const SlamConfig& config, std::optional<Map> stored)
-    : config_(config),
+    : config_(checked(config)),
       map_(stored ? std::move(*stored) : Map(config.camera, config.orb.scale, config.orb.levels)),
       first_keyframe_(map_.keyframe_ids()),
-      back_end_(map_, places_, config.measurement, config.back_end, config.realtime, config.seed),
-      tracker_(map_, places_, config.measurement, config.tracker, config.localize_only,
+      places_(config.places),
+      back_end_(map_, places_, config.measurement,
+                {config.mapping, config.loop, config.close_loops}, config.realtime, config.seed),
+      tracker_(map_, places_, config.measurement, tracker_options(config), config.localize_only,
                config.seed),
-      dynamics_(config.camera, dynamics_options(config)) {
+      dynamics_(config.camera, config.dynamics, config.seed) {
   for (int k = 0; k < first_keyframe_; ++k) {
     if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
   }
@@ -37,8 +46,8 @@ std::shared_ptr<FrameSnapshot> Engine::track(PreparedFrame prepared) {
   result.feature_ms = prepared.feature_ms;
   result.detection_ms = prepared.detection_ms;
 
-  snapshot->dynamics = dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints,
-                                         prepared.detections.detections);
+  snapshot->dynamics =
+      dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints, prepared.detections);
   const FrameDynamics& dynamics = snapshot->dynamics;
   result.clustering_ms = dynamics.clustering_ms;
   result.removal_ms = dynamics.removal_ms;

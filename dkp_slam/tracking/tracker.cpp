@@ -235,14 +235,15 @@ bool Tracker::track_local_map(Frame& frame) {
   assign_landmarks(matches, frame);
   if (localize_only_) return true;
   for (const FrameMatch& m : matches) ++map_.landmark(m.landmark).found;
-  weigh_evidence(frame, all_matches);
+  if (options_.use_belief) weigh_evidence(frame, all_matches);
   return true;
 }
 
 void Tracker::drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const {
   std::erase_if(matches, [&](const FrameMatch& m) {
-    return !frame.is_static[static_cast<std::size_t>(m.feature)] &&
-           map_.landmark(m.landmark).dynamic_log_odds > options_.belief.trusted_below;
+    const bool trusted = options_.use_belief && map_.landmark(m.landmark).dynamic_log_odds <=
+                                                    options_.belief.trusted_below;
+    return !frame.is_static[static_cast<std::size_t>(m.feature)] && !trusted;
   });
 }
 

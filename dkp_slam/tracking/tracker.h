@@ -49,6 +49,10 @@ struct TrackerOptions {
   /// hand-held camera that is shaken stays under 20 and 60.
   double most_acceleration = 20.0;
   double most_angular_acceleration = 60.0;
+  /// Landmarks keep a belief about being dynamic: trusted ones are tracked on features that were
+  /// called dynamic, and those that stray are removed. Without it what was called dynamic is not
+  /// used, and nothing is remembered of it.
+  bool use_belief = true;
   LandmarkBelief belief;
 
   void describe(OptionList& list);

@@ -34,6 +34,8 @@ void TrackerOptions::describe(OptionList& list) {
            "for a measured motion to be believed against constant velocity");
   list.add("most_angular_acceleration", most_angular_acceleration, above(0), "rad/s^2",
            "for a measured motion to be believed against constant velocity");
+  list.add("use_belief", use_belief,
+           "remember of landmarks whether they were seen to move; mode paper goes without");
   list.add_part("belief", belief, "how evidence from single frames adds up in a landmark");
   list.order("urgent_share", "keyframe_share");
 }

@@ -6,6 +6,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 /// How a box's depth becomes an object mask (paper §3.4, Algorithm 1).
 enum class ClusteringMode {
   adaptive,  ///< K from the object's thickness, near clusters joined, planes removed (algorithm.md)
@@ -41,6 +43,9 @@ struct ClusteringOptions {
   int crumb_area = 60;
   double crumb_step = 0.06;
   int crumb_reach = 3;  ///< pixels of the view
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 }  // namespace dkp_slam

@@ -1,4 +1,4 @@
-#include "dkp_slam/dynamics/masks/room_planes.h"
+#include "dkp_slam/dynamics/masks/static_planes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ bool alike(const Plane& a, const Plane& b, double turn, double shift) {
 
 }  // namespace
 
-void RoomPlanes::move(const Se3& current_from_previous) {
+void StaticPlanes::move(const Se3& current_from_previous) {
   const Eigen::Matrix3f rotation = current_from_previous.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = current_from_previous.translation.cast<float>();
   for (Known& k : known_) {
@@ -25,7 +25,7 @@ void RoomPlanes::move(const Se3& current_from_previous) {
   }
 }
 
-std::vector<Plane> RoomPlanes::planes() const {
+std::vector<Plane> StaticPlanes::planes() const {
   std::vector<Plane> out;
   for (const Known& k : known_) {
     const double needed = k.large ? options_.large_proof : options_.proof;
@@ -35,7 +35,7 @@ std::vector<Plane> RoomPlanes::planes() const {
   return out;
 }
 
-bool RoomPlanes::adapt(const DepthView& view, Plane& plane) const {
+bool StaticPlanes::adapt(const DepthView& view, Plane& plane) const {
   std::vector<Eigen::Vector3f> on;
   int known = 0;
   constexpr int stride = 6;  // about 2,000 points of a 640x480 image
@@ -53,12 +53,12 @@ bool RoomPlanes::adapt(const DepthView& view, Plane& plane) const {
   return true;
 }
 
-bool RoomPlanes::is_large(const Plane& plane) const {
+bool StaticPlanes::is_large(const Plane& plane) const {
   return static_cast<double>(plane.extent) >= options_.large_extent &&
          static_cast<double>(plane.width) >= options_.large_width;
 }
 
-void RoomPlanes::update(const DepthView& view, const std::vector<Plane>& found, double time) {
+void StaticPlanes::update(const DepthView& view, const std::vector<Plane>& found, double time) {
   time_ = time;
   std::vector<Known> now;
   for (const Plane& p : found) {
