@@ -19,7 +19,10 @@ target_compile_features(dkp_slam PUBLIC cxx_std_20)
 target_include_directories(dkp_slam INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(dkp_slam PUBLIC Eigen3::Eigen opencv_core PRIVATE ${core})
 # Ceres stays inside, unseen: a user may have another.
-target_link_options(dkp_slam PRIVATE -Wl,--as-needed -Wl,--no-undefined -Wl,--exclude-libs,ALL)
+target_link_options(dkp_slam PRIVATE -Wl,--as-needed -Wl,--exclude-libs,ALL)
+if(NOT DKP_SLAM_SANITIZE)
+  target_link_options(dkp_slam PRIVATE -Wl,--no-undefined)
+endif()
 
 set(documents ${CMAKE_INSTALL_DATAROOTDIR}/doc/dkp-slam)
 # ONNX Runtime comes along where it is not the system's own.
