@@ -88,7 +88,7 @@ TEST_F(StoredMapOfARun, TheNextRunAddsToIt) {
 
   StoredMap stored = read_map(file_);
   MapWriter writer(file_, std::move(stored.state));
-  Slam second(options(), std::move(stored.map));
+  Slam second(options(), nullptr, std::move(stored.map));
   play_into(second, &writer);
   EXPECT_GE(second.map().live_keyframes(), int(second.keyframe_trajectory().size()));
   EXPECT_EQ(difference(second.map(), read_map(file_).map), "");

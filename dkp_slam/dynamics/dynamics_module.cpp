@@ -28,15 +28,17 @@ struct Work {
 }  // namespace
 
 struct DynamicsModule::State {
-  State(const Camera& c, const DynamicsOptions& o)
+  State(const Camera& c, const DynamicsOptions& o, std::uint64_t s)
       : size(c.width, c.height),
         options(o),
+        seed(s),
         rays(depth_view_rays(c)),
         parts(make_parts(c, o)),
         history(c, o.history, o.compensation.longest_delay) {}
 
   cv::Size size;
   DynamicsOptions options;
+  std::uint64_t seed;
   cv::Mat rays;
   DynamicsParts parts;
   MotionHistory history;    // carries answers about earlier images
@@ -133,11 +135,12 @@ void DynamicsModule::State::classify(Work& work, FrameDynamics& result) {
   parts.flow_compensation->remember(std::move(work.points), std::move(is_static));
 }
 
-DynamicsModule::DynamicsModule(const Camera& camera, const DynamicsOptions& options) {
+DynamicsModule::DynamicsModule(const Camera& camera, const DynamicsOptions& options,
+                               std::uint64_t seed) {
   if (const auto wrong = camera.check()) {
     throw Error("dynamics: camera '" + camera.name + "': " + *wrong);
   }
-  state_ = std::make_unique<State>(camera, options);
+  state_ = std::make_unique<State>(camera, options, seed);
 }
 DynamicsModule::~DynamicsModule() = default;
 DynamicsModule::DynamicsModule(DynamicsModule&&) noexcept = default;
@@ -160,7 +163,7 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   Stopwatch watch;
   Work work{frame, {}, 0, {}, {}, {}};
   cv::KeyPoint::convert(keypoints, work.points);
-  work.seed = s.options.seed + static_cast<std::uint64_t>(frame.index) * 0x9E3779B97F4A7C15ULL;
+  work.seed = s.seed + static_cast<std::uint64_t>(frame.index) * 0x9E3779B97F4A7C15ULL;
   s.track(grey, answer, work);
   if (s.parts.ego_motion) result.current_from_previous = s.measure_ego_motion(work);
   result.removal_ms += watch.lap_ms();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -19,7 +20,7 @@ namespace dkp_slam {
 class DynamicsModule {
  public:
   /// Throws `Error` when the camera makes no sense.
-  DynamicsModule(const Camera& camera, const DynamicsOptions& options);
+  DynamicsModule(const Camera& camera, const DynamicsOptions& options, std::uint64_t seed = 1);
   ~DynamicsModule();
   DynamicsModule(DynamicsModule&&) noexcept;
   DynamicsModule& operator=(DynamicsModule&&) noexcept;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "dkp_slam/dynamics/compensation/object_tracker.h"
 #include "dkp_slam/dynamics/masks/clustering.h"
 #include "dkp_slam/dynamics/masks/static_planes.h"
@@ -14,6 +12,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct DynamicsOptions {
   DynamicsMode mode = DynamicsMode::dkp_plus;
   ClusteringOptions clustering;
@@ -25,7 +25,9 @@ struct DynamicsOptions {
   EpipolarOptions epipolar;
   RegionOptions regions;
   RemovalOptions removal;
-  std::uint64_t seed = 1;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 }  // namespace dkp_slam

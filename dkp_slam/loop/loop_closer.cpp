@@ -6,7 +6,7 @@
 
 #include "dkp_slam/localization/relocalizer.h"
 #include "dkp_slam/loop/place_joining.h"
-#include "dkp_slam/map/map_parts.h"
+#include "dkp_slam/map/map_snapshot.h"
 
 namespace dkp_slam {
 
@@ -14,7 +14,7 @@ std::optional<ClosedLoop> LoopCloser::close(Map& map, const PlaceIndex& places,
                                             const MeasurementModel& model, int keyframe) {
   for (const int old : detector_.detect(map, places, keyframe)) {
     Frame seen = frame_of(map.keyframe(keyframe));
-    const int matches = localize_by_keyframe(map, model, options_.seed, old, seen);
+    const int matches = localize_by_keyframe(map, model, seed_, old, seen);
     if (matches < options_.least_matches) {
       spdlog::debug("keyframe {}: no loop to keyframe {}, {} matches", keyframe, old, matches);
       continue;

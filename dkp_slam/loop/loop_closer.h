@@ -13,6 +13,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct LoopCloserOptions {
   LoopDetectorOptions detector;
   PoseGraphOptions graph;
@@ -22,7 +24,9 @@ struct LoopCloserOptions {
   /// neighbours at every distance, and would outvote it.
   double loop_weight = 30.0;
   int fused_neighbours = 8;  ///< keyframes about the new one whose landmarks are fused as well
-  std::uint64_t seed = 1;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// A loop that was closed, or a place where two maps met.
@@ -41,8 +45,9 @@ struct ClosedLoop {
 /// Works on the map itself and so belongs to the tracking thread.
 class LoopCloser {
  public:
-  explicit LoopCloser(const LoopCloserOptions& options = {})
-      : options_(options), detector_(options.detector) {}
+  /// `seed`: of the alignment's RANSAC.
+  explicit LoopCloser(const LoopCloserOptions& options = {}, std::uint64_t seed = 1)
+      : options_(options), seed_(seed), detector_(options.detector) {}
 
   /// To be called with each new keyframe in turn, once it is in the map and the index. Closes a
   /// loop if there is one.
@@ -64,6 +69,7 @@ class LoopCloser {
   void correct(Map& map, int which) const;
 
   const LoopCloserOptions options_;
+  const std::uint64_t seed_;
   LoopDetector detector_;
   std::vector<LoopEdge> loops_;
   std::vector<ClosedLoop> closed_;

@@ -7,12 +7,17 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct LoopDetectorOptions {
   /// Keyframes in a row that must have seen the same other place (Mur-Artal et al. 2015, section
   /// VII-A). Each group of candidates is followed on its own.
   int consistent = 3;
   std::size_t candidates = 5;
   int least_votes = 15;  ///< of a keyframe that may close a loop
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Notices that the camera is back where it was, though the map does not know it: what the newest

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-#include "dkp_slam/map/map_parts.h"
+#include "dkp_slam/map/map_snapshot.h"
 
 namespace dkp_slam {
 namespace {

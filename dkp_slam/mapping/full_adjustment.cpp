@@ -22,7 +22,7 @@ void FullAdjustment::start(const Map& map, int which, int frame_index) {
 }
 
 bool FullAdjustment::due(int frame_index) const {
-  return worker_.pending() && (options_.realtime ? worker_.finished() : frame_index >= due_frame_);
+  return worker_.pending() && (realtime_ ? worker_.finished() : frame_index >= due_frame_);
 }
 
 void FullAdjustment::carry_back(Map& map) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "dkp_slam/localization/pose_refinement.h"
+#include "dkp_slam/map/id_map.h"
 
 namespace dkp_slam {
 namespace {
@@ -28,9 +29,9 @@ BundleProblem snapshot(const Map& map, const MeasurementModel& model,
                        const std::vector<int>& moving, const std::vector<int>& fixed,
                        const std::vector<int>& landmarks) {
   BundleProblem problem;
-  std::vector<int> index(static_cast<std::size_t>(map.keyframe_ids()), -1);
+  IdMap<int> index;  // into the poses
   const auto add_pose = [&](int k, bool stays) {
-    index[static_cast<std::size_t>(k)] = static_cast<int>(problem.poses.size());
+    index.insert(k, static_cast<int>(problem.poses.size()));
     problem.poses.push_back({k, map.keyframe(k).camera_from_world, stays});
   };
   for (const int k : moving) add_pose(k, false);
@@ -39,10 +40,10 @@ BundleProblem snapshot(const Map& map, const MeasurementModel& model,
     const Landmark& landmark = map.landmark(l);
     problem.points.push_back({l, landmark.position});
     for (const Sighting& s : landmark.sightings) {
-      const int pose = index[static_cast<std::size_t>(s.keyframe)];
-      if (pose < 0) continue;
+      const int* pose = index.find(s.keyframe);
+      if (!pose) continue;
       problem.sightings.push_back(
-          {pose, static_cast<int>(problem.points.size()) - 1,
+          {*pose, static_cast<int>(problem.points.size()) - 1,
            observation_of(map.keyframe(s.keyframe).features, s.feature, map, model)});
     }
   }
@@ -63,15 +64,15 @@ struct LaterLandmark {
 
 std::vector<LaterKeyframe> later_keyframes(const Map& map, const BundleProblem& problem,
                                            const std::vector<int>& keyframes) {
-  std::vector<char> known(static_cast<std::size_t>(map.keyframe_ids()), 0);
+  IdSet known;
   for (const auto& p : problem.poses) {
-    known[static_cast<std::size_t>(p.keyframe)] = !map.keyframe(p.keyframe).removed;
+    if (!map.keyframe(p.keyframe).removed) known.insert(p.keyframe);
   }
   std::vector<LaterKeyframe> later;
   for (const int k : keyframes) {
-    if (known[static_cast<std::size_t>(k)]) continue;
+    if (known.contains(k)) continue;
     int ancestor = map.keyframe(k).parent;
-    while (ancestor >= 0 && !known[static_cast<std::size_t>(ancestor)]) {
+    while (ancestor >= 0 && !known.contains(ancestor)) {
       ancestor = map.keyframe(ancestor).parent;
     }
     if (ancestor < 0) continue;
@@ -84,13 +85,11 @@ std::vector<LaterKeyframe> later_keyframes(const Map& map, const BundleProblem& 
 
 std::vector<LaterLandmark> later_landmarks(const Map& map, const BundleProblem& problem,
                                            const std::vector<int>& keyframes) {
-  std::vector<char> known(map.landmark_places(), 0);
-  for (const auto& p : problem.points) {
-    if (map.has_landmark(p.landmark)) known[map.place_of_landmark(p.landmark)] = 1;
-  }
+  IdSet known;
+  for (const auto& p : problem.points) known.insert(p.landmark);
   std::vector<LaterLandmark> later;
   for (const int l : map.landmarks_of(keyframes)) {
-    if (known[map.place_of_landmark(l)]) continue;
+    if (known.contains(l)) continue;
     const int first = map.landmark(l).sightings.front().keyframe;
     later.push_back({l, first, map.keyframe(first).camera_from_world * map.landmark(l).position});
   }

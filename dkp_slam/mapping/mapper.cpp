@@ -8,22 +8,15 @@
 #include "dkp_slam/mapping/landmark_fusion.h"
 
 namespace dkp_slam {
-namespace {
-
-FullAdjustmentOptions with_realtime(FullAdjustmentOptions options, bool realtime) {
-  options.realtime = realtime;
-  return options;
-}
-
-}  // namespace
 
 Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
-               const MapperOptions& options)
+               const MapperOptions& options, bool realtime)
     : map_(map),
       places_(places),
       model_(model),
       options_(options),
-      full_adjustment_(map.camera(), model, with_realtime(options.full, options.realtime)),
+      realtime_(realtime),
+      full_adjustment_(map.camera(), model, options.full, realtime),
       worker_(map.camera(), model) {}
 
 int Mapper::insert_keyframe(Frame& frame) {
@@ -124,7 +117,7 @@ void Mapper::cull_keyframes(int newest) {
 void Mapper::advance(int frame_index) {
   const bool full_is_due = full_adjustment_.due(frame_index);
   if (worker_.pending() &&
-      (full_is_due || (options_.realtime ? worker_.finished() : frame_index >= due_frame_)))
+      (full_is_due || (realtime_ ? worker_.finished() : frame_index >= due_frame_)))
     carry_back();
   if (full_is_due) full_adjustment_.carry_back(map_);
 }

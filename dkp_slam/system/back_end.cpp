@@ -3,13 +3,13 @@
 namespace dkp_slam {
 
 BackEnd::BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
-                 const BackEndOptions& options)
+                 const BackEndOptions& options, bool realtime, std::uint64_t seed)
     : map_(map),
       places_(places),
       model_(model),
       close_loops_(options.close_loops),
-      loop_closer_(options.loops),
-      mapper_(map, places, model, options.mapper) {}
+      loop_closer_(options.loops, seed),
+      mapper_(map, places, model, options.mapper, realtime) {}
 
 void BackEnd::insert_keyframe(Frame& frame) {
   const int id = mapper_.insert_keyframe(frame);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <vector>
 
 #include "dkp_slam/localization/frame.h"
@@ -21,8 +22,9 @@ struct BackEndOptions {
 /// the place is known, then bundle adjustment begins. Called by the tracking thread alone.
 class BackEnd {
  public:
+  /// `realtime`: bundle adjustments are never waited for. `seed`: of everything random.
   BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
-          const BackEndOptions& options);
+          const BackEndOptions& options, bool realtime = false, std::uint64_t seed = 1);
 
   /// To be called once per frame, before it is tracked: carries back what is due.
   void advance(int frame_index) { mapper_.advance(frame_index); }

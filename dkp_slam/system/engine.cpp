@@ -8,23 +8,14 @@
 namespace dkp_slam {
 namespace {
 
-DynamicsOptions dynamics_options(const SlamConfig& all) {
-  DynamicsOptions options = all.dynamics;
-  options.seed = all.seed;
-  return options;
+const SlamConfig& checked(const SlamConfig& config) {
+  config.check();
+  return config;
 }
 
-BackEndOptions back_end_options(const SlamConfig& all) {
-  BackEndOptions options = all.back_end;
-  options.mapper.realtime = all.realtime;
-  options.loops.seed = all.seed;
-  return options;
-}
-
+/// The mode may go without the landmarks' belief, too.
 TrackerOptions tracker_options(const SlamConfig& all) {
-  TrackerOptions options = all.tracker;
-  options.seed = all.seed;
-  options.localize_only = all.localize_only;
+  TrackerOptions options = all.tracking;
   options.use_belief = options.use_belief && mode_info(all.dynamics.mode).landmark_belief;
   return options;
 }
@@ -32,12 +23,15 @@ TrackerOptions tracker_options(const SlamConfig& all) {
 }  // namespace
 
 Engine::Engine(const SlamConfig& config, std::optional<Map> stored)
-    : config_(config),
+    : config_(checked(config)),
       map_(stored ? std::move(*stored) : Map(config.camera, config.orb.scale, config.orb.levels)),
       first_keyframe_(map_.keyframe_ids()),
-      back_end_(map_, places_, config.measurement, back_end_options(config)),
-      tracker_(map_, places_, config.measurement, tracker_options(config)),
-      dynamics_(config.camera, dynamics_options(config)) {
+      places_(config.places),
+      back_end_(map_, places_, config.measurement,
+                {config.mapping, config.loop, config.close_loops}, config.realtime, config.seed),
+      tracker_(map_, places_, config.measurement, tracker_options(config), config.localize_only,
+               config.seed),
+      dynamics_(config.camera, config.dynamics, config.seed) {
   for (int k = 0; k < first_keyframe_; ++k) {
     if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
   }
@@ -52,8 +46,8 @@ std::shared_ptr<FrameSnapshot> Engine::track(PreparedFrame prepared) {
   result.feature_ms = prepared.feature_ms;
   result.detection_ms = prepared.detection_ms;
 
-  snapshot->dynamics = dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints,
-                                         prepared.detections);
+  snapshot->dynamics =
+      dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints, prepared.detections);
   const FrameDynamics& dynamics = snapshot->dynamics;
   result.clustering_ms = dynamics.clustering_ms;
   result.removal_ms = dynamics.removal_ms;
@@ -82,7 +76,7 @@ void Engine::localize(const PreparedFrame& prepared, FrameSnapshot& snapshot) {
   back_end_.advance(frame.index);
   const TrackingResult tracked = tracker_.track(frame, back_end_.adjusting());
   if (tracked.keyframe_due) back_end_.insert_keyframe(frame);
-  if (tracked.localised) tracker_.settle(frame, tracked.keyframe_due);
+  if (tracked.localised) poses_.add(tracker_.settle(frame, tracked.keyframe_due));
 
   FrameResult& result = snapshot.result;
   result.tracking_ms = watch.ms();
@@ -107,10 +101,10 @@ void Engine::finish(const std::atomic<bool>* stop) {
 
 std::vector<int> Engine::maps_in_use() const {
   std::vector<int> frames(static_cast<std::size_t>(map_.maps()), 0), used;
-  for (const TrackedPose& p : tracker_.poses()) {
+  poses_.for_each([&](const TrackedPose& p) {
     const int which = map_.keyframe(p.reference_keyframe).map;
     if (frames[static_cast<std::size_t>(which)]++ == 0) used.push_back(which);
-  }
+  });
   std::stable_sort(used.begin(), used.end(), [&](int a, int b) {
     return frames[static_cast<std::size_t>(a)] > frames[static_cast<std::size_t>(b)];
   });
@@ -120,13 +114,13 @@ std::vector<int> Engine::maps_in_use() const {
 std::vector<Trajectory> Engine::trajectories() const {
   const std::vector<int> used = maps_in_use();
   std::vector<Trajectory> paths(used.size());
-  for (const TrackedPose& p : tracker_.poses()) {
+  poses_.for_each([&](const TrackedPose& p) {
     const int which = map_.keyframe(p.reference_keyframe).map;
     const auto path = std::find(used.begin(), used.end(), which) - used.begin();
     const Se3 camera_from_world =
         p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe);
     paths[static_cast<std::size_t>(path)].push_back({p.timestamp, camera_from_world.inverse()});
-  }
+  });
   return paths;
 }
 

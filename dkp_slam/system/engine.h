@@ -12,6 +12,7 @@
 #include "dkp_slam/system/config.h"
 #include "dkp_slam/system/frame_pipeline.h"
 #include "dkp_slam/system/frame_result.h"
+#include "dkp_slam/system/pose_log.h"
 #include "dkp_slam/tracking/tracker.h"
 
 namespace dkp_slam {
@@ -50,6 +51,7 @@ class Engine {
   PlaceIndex places_;         // follows the map's locking rule: the tracking thread's alone
   BackEnd back_end_;
   Tracker tracker_;
+  PoseLog poses_;  // of all localised frames of this run
   DynamicsModule dynamics_;
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dkp_slam/evaluation/absolute_error.h"
+#include "dkp_slam/geometry/sensor_scale.h"
 #include "dkp_slam/synth/source.h"
 
 namespace dkp_slam::testing {
@@ -30,13 +31,8 @@ class RecordedSource : public RgbdSource {
 };
 
 /// The same view with fewer pixels.
-inline Camera smaller(Camera camera, int divisor) {
-  camera.width /= divisor;
-  camera.height /= divisor;
-  for (double* length : {&camera.fx, &camera.fy}) *length /= divisor;
-  // Pixel centres have whole coordinates, so that the image begins at -0.5.
-  for (double* centre : {&camera.cx, &camera.cy}) *centre = (*centre + 0.5) / divisor - 0.5;
-  return camera;
+inline Camera smaller(const Camera& camera, int divisor) {
+  return resized(camera, camera.width / divisor, camera.height / divisor);
 }
 
 /// A synthetic scenario with all that is true of it. Rendered once, to be played often.
@@ -49,11 +45,16 @@ struct Recording {
   /// `divisor`: 1 for 640 x 480 pixels, 2 for half the width, which is rendered in a third of the
   /// time.
   Recording(const std::string& scenario, std::size_t length, std::size_t first_frame = 0,
-            int divisor = 1) {
+            int divisor = 1)
+      : Recording(scenario, smaller(SyntheticOptions::default_camera(), divisor), length,
+                  first_frame) {}
+  /// Frames are counted at that camera's rate.
+  Recording(const std::string& scenario, const Camera& seen_by, std::size_t length,
+            std::size_t first_frame) {
     SyntheticOptions options = synthetic_scenario(scenario);
     options.frames = length;
     options.first_frame = first_frame;
-    camera = options.camera = smaller(options.camera, divisor);
+    camera = options.camera = seen_by;
     SyntheticSource world(options);
     while (auto frame = world.read()) {
       truth.push_back({frame->timestamp, world.truth().world_from_camera});

@@ -14,6 +14,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct MotionHistoryOptions {
   /// What lies in a box within so many metres of the object's depth belongs to it: half the depth
   /// of a person with an arm stretched out.
@@ -21,6 +23,9 @@ struct MotionHistoryOptions {
   /// A near layer of depth that fills less than this share of a box's central half is something
   /// thin in front of the object.
   double least_layer_share = 0.2;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// How everything in view moved over the last moments, to carry what was seen in an earlier image

@@ -15,6 +15,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct ObjectTrackerOptions {
   float start_score = 0.3F;      ///< a new object needs this score
   float continue_score = 0.10F;  ///< a known one goes on with this, where the boxes agree
@@ -35,6 +37,9 @@ struct ObjectTrackerOptions {
   bool compensate = true;  ///< false: no carrying, no weak continuation
   /// Seconds: answers about images longer ago than this tell nothing about now.
   double longest_delay = 1.0;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Missed-detection compensation (paper §3.3): known objects go on living where the detector

@@ -9,6 +9,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct StaticPlanesOptions {
   /// Seconds that a plane is remembered after it was last found anew: the time that a person takes
   /// to walk past the camera.
@@ -29,6 +31,9 @@ struct StaticPlanesOptions {
   /// Two planes nearer to each other than this are one.
   double same_turn = 0.17;   ///< radians
   double same_shift = 0.06;  ///< metres
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// The static planes (tables, floor, walls), remembered from frame to frame: while a person fills

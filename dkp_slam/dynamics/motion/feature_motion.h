@@ -13,6 +13,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct FeatureMotionOptions {
   FlowOptions flow;
   MotionOptions motion;
@@ -28,6 +30,9 @@ struct FeatureMotionOptions {
   /// Features outside boxes from which the ego-motion is measured; with fewer, what lies on the
   /// static planes in boxes helps.
   int enough_outside = 150;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// What flow says about the features of the newest frame. Vectors run parallel to the features.

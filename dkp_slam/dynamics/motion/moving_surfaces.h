@@ -10,6 +10,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct MovingSurfaceOptions {
   /// Residuals by which a feature counts as moving or still when surfaces are judged, pixels, over
   /// the short baseline (one frame) and the long one. Between them it says nothing.
@@ -23,6 +25,9 @@ struct MovingSurfaceOptions {
   double least_share = 0.01;
   double least_seconds = 0.09;  ///< keeps moving so long: one bad frame makes no person
   int least_features = 10;      ///< and bears so many features that move
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Judges surfaces by the features on them, and finds people whom no detector sees: surfaces that

@@ -8,6 +8,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct RegionOptions {
   float weight_low = 1.0F;  ///< W of low regions
   /// W in the mask of an object whose class weight is 10; classes below scale with it. The paper's
@@ -16,6 +18,9 @@ struct RegionOptions {
   /// Eq. 6 as printed, which gives the low weight at the mask's edge and the high one far from it
   /// and so contradicts its own text. Default: the other way round.
   bool printed_equation = false;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// W of an object's mask for the weight (1 to 10) of its class.

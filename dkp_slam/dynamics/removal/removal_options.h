@@ -2,6 +2,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct RemovalOptions {
   /// eps of Algorithm 2, pixels: static when D * W is below it (region rule).
   float epsilon = 1.0F;
@@ -13,6 +15,9 @@ struct RemovalOptions {
   float residual_suspicious = 1.5F;  ///< in a box, outside its mask
   float residual_object = 1.0F;      ///< on things of middle weight
   float residual_long = 2.5F;        ///< in boxes, over the longer baseline
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 }  // namespace dkp_slam

@@ -4,9 +4,25 @@
 #include <string>
 
 #include "dkp_slam/detection/class_table.h"
-#include "dkp_slam/detection/yolox/yolox_decode.h"
 
 namespace dkp_slam {
+
+class OptionList;
+
+namespace yolox {
+
+struct DecodeOptions {
+  /// Weaker boxes are dropped. Objects are continued down to this score and started on more.
+  float lowest_score = 0.10F;
+  /// Of two boxes of one class that overlap by more than this IoU the weaker one goes. The value
+  /// of YOLOX's own demo.
+  float nms_iou = 0.45F;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
+};
+
+}  // namespace yolox
 
 /// Library that runs the network.
 enum class YoloxBackend {
@@ -26,6 +42,9 @@ struct YoloxOptions {
   int threads = 1;
   yolox::DecodeOptions decode;
   ClassTable classes;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 }  // namespace dkp_slam
