@@ -57,7 +57,7 @@ class Mapper {
   void finish(bool full_adjustment, const std::atomic<bool>* stop = nullptr);
 
  private:
-  void create_landmarks(Frame& frame, int keyframe, const std::vector<int>& feature_of_frame);
+  void create_landmarks(Frame& frame, int id, const std::vector<int>& feature_of_frame);
   void cull_landmarks(int newest_keyframe);
   void cull_keyframes(int newest_keyframe);
   void carry_back();
