@@ -17,24 +17,23 @@ struct BackEndOptions {
   bool close_loops = true;
 };
 
-/// What becomes of a keyframe, in its order: the mapper takes it in, the loop closer looks whether
-/// the place is known, then bundle adjustment begins. Called by the tracking thread alone.
+/// What becomes of a keyframe: the mapper takes it in and begins with bundle adjustment, and the
+/// loop closer looks whether the place is known. Both work beside the tracker. Called by the
+/// tracking thread alone.
 class BackEnd {
  public:
   BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
           const BackEndOptions& options);
 
-  /// To be called once per frame, before it is tracked: carries back what is due.
-  void advance(int frame_index) { mapper_.advance(frame_index); }
+  /// To be called once per frame, before it is tracked: carries back what is due, and does a
+  /// bounded part of what else is under way.
+  void advance(int frame_index);
   /// True while a local bundle adjustment has been submitted and not carried back.
   bool adjusting() const { return mapper_.adjusting(); }
-  /// Makes the frame a keyframe; the frame gets the new landmarks' ids and its reference keyframe,
-  /// and another pose where that closed a loop.
+  /// Makes the frame a keyframe; the frame gets the new landmarks' ids and its reference keyframe.
   void insert_keyframe(Frame& frame);
-  /// See Mapper::finish.
-  void finish(bool full_adjustment, const std::atomic<bool>* stop = nullptr) {
-    mapper_.finish(full_adjustment, stop);
-  }
+  /// Brings a loop that is under way to its end, unless `stop` is set; then see Mapper::finish.
+  void finish(bool full_adjustment, const std::atomic<bool>* stop = nullptr);
   /// Loops closed and maps joined so far.
   const std::vector<ClosedLoop>& loops() const { return loop_closer_.closed(); }
 
@@ -45,6 +44,7 @@ class BackEnd {
   const bool close_loops_;
   LoopCloser loop_closer_;
   Mapper mapper_;
+  int frame_index_ = 0;  // of the last frame
 };
 
 }  // namespace dkp_slam
