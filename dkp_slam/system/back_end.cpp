@@ -3,12 +3,6 @@
 #include <limits>
 
 namespace dkp_slam {
-namespace {
-
-/// Landmarks that one frame lets follow a move of the map (see Map::move): half a millisecond.
-constexpr std::size_t following_per_frame = 4000;
-
-}  // namespace
 
 BackEnd::BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
                  const BackEndOptions& options)
@@ -16,12 +10,13 @@ BackEnd::BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
       places_(places),
       model_(model),
       close_loops_(options.close_loops),
+      followed_per_frame_(options.followed_per_frame),
       loop_closer_(options.loops, options.mapper.realtime),
       mapper_(map, places, model, options.mapper) {}
 
 void BackEnd::advance(int frame_index) {
   frame_index_ = frame_index;
-  map_.follow_moves(following_per_frame);
+  map_.follow_moves(followed_per_frame_);
   mapper_.advance(frame_index);
   if (loop_closer_.due(frame_index)) {
     if (mapper_.make_way_for_move()) loop_closer_.carry_out(map_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <vector>
 
 #include "dkp_slam/localization/frame.h"
@@ -15,6 +16,9 @@ struct BackEndOptions {
   MapperOptions mapper;
   LoopCloserOptions loops;
   bool close_loops = true;
+  /// Landmarks that one frame lets follow a move of the map (see Map::move), so that none waits for
+  /// long: half a millisecond.
+  std::size_t followed_per_frame = 4000;
 };
 
 /// What becomes of a keyframe: the mapper takes it in and begins with bundle adjustment, and the
@@ -34,6 +38,8 @@ class BackEnd {
   void insert_keyframe(Frame& frame);
   /// Brings a loop that is under way to its end, unless `stop` is set; then see Mapper::finish.
   void finish(bool full_adjustment, const std::atomic<bool>* stop = nullptr);
+  /// Adjustments of a whole map carried back so far.
+  int whole_adjustments() const { return mapper_.full_adjustments(); }
   /// Loops closed and maps joined so far.
   const std::vector<ClosedLoop>& loops() const { return loop_closer_.closed(); }
 
@@ -42,6 +48,7 @@ class BackEnd {
   PlaceIndex& places_;
   const MeasurementModel model_;
   const bool close_loops_;
+  const std::size_t followed_per_frame_;
   LoopCloser loop_closer_;
   Mapper mapper_;
   int frame_index_ = 0;  // of the last frame
