@@ -1,7 +1,7 @@
 // Measures how long a frame waits for the closing of a loop in a large map: for its part in finding
 // the loop, in moving the map, in fusing landmarks and in adjusting the whole. The map is that of a
-// sequence up to shortly before its loop, repeated until it has the wanted size; the sequence's rest
-// is played there and back in it, at its own speed and as in real time.
+// sequence up to shortly before its loop, repeated until it has the wanted size; the sequence's
+// rest is played there and back in it, at its own speed and as in real time.
 
 #include <algorithm>
 #include <ctime>
@@ -33,7 +33,7 @@ struct BenchOptions {
   int keyframes = 2000;
   int before = 120;        // frames from where the large map is entered to where the loop is found
   int most_frames = 9000;  // to wait for the adjustment of the whole map
-  double rate = 30.0;     // frames a second, of the clock; their time stamps are the sequence's
+  double rate = 30.0;      // frames a second, of the clock; their time stamps are the sequence's
   bool at_once = false, verbose = false;
 };
 
@@ -150,7 +150,7 @@ BackEndOptions back_end_options(const BenchOptions& bench) {
 
 void print(const char* what, std::vector<Wait> waits) {
   if (waits.empty()) return;
-  const auto sorted = [&](double Wait::* member) {
+  const auto sorted = [&](double Wait::*member) {
     std::vector<double> values;
     for (const Wait& w : waits) values.push_back(w.*member);
     std::sort(values.begin(), values.end());
@@ -200,7 +200,12 @@ void measure(const BenchOptions& bench) {
     const std::size_t rest = frames.size() - enter, phase = i % (2 * rest);
     waits.push_back(
         large.play(frames[enter + (phase < rest ? phase : 2 * rest - 1 - phase)], time_of(i)));
-    after -= waits.back().adjustments > 0;
+    const Wait& wait = waits.back();
+    if (wait.processor_ms > 2.5) {
+      spdlog::info("frame {} waited {:.2f} ms: loops {}, adjustments {}", i, wait.processor_ms,
+                   wait.loops, wait.adjustments);
+    }
+    after -= wait.adjustments > 0;
   }
   std::vector<Wait> before, moved, later;
   for (const Wait& w : waits)

@@ -43,8 +43,8 @@ MapMove EssentialGraph::solve(const std::vector<LoopEdge>& loops, const PoseGrap
   for (const auto& [from, to] : edges_) {
     const int a = node_of(from), b = node_of(to);
     if (a < 0 || b < 0) continue;
-    const Se3 present = poses_[static_cast<std::size_t>(b)] *
-                        poses_[static_cast<std::size_t>(a)].inverse();
+    const Se3 present =
+        poses_[static_cast<std::size_t>(b)] * poses_[static_cast<std::size_t>(a)].inverse();
     graph.edges.push_back({a, b, present, 1.0});
   }
   for (const LoopEdge& l : loops) {

@@ -50,9 +50,9 @@ class EssentialGraph {
   int which_;
   EssentialGraphOptions options_;
   int first_later_;
-  int next_ = 0;                // keyframe id
-  std::vector<int> keyframes_;  // the nodes, ascending
-  std::vector<Se3> poses_;      // camera_from_world, of each
+  int next_ = 0;                            // keyframe id
+  std::vector<int> keyframes_;              // the nodes, ascending
+  std::vector<Se3> poses_;                  // camera_from_world, of each
   std::vector<std::pair<int, int>> edges_;  // keyframes
 };
 

@@ -97,8 +97,8 @@ void LoopCloser::submit(int frame_index) {
   std::erase_if(loops_,
                 [&](const LoopEdge& l) { return !graph_->has(l.from) || !graph_->has(l.to); });
   loops_.push_back({loop_.old_keyframe, loop_.keyframe, keyframe_from_old_});
-  due_frame_ = frame_index + options_.delay +
-               graph_->keyframes() / options_.keyframes_per_frame_of_delay;
+  due_frame_ =
+      frame_index + options_.delay + graph_->keyframes() / options_.keyframes_per_frame_of_delay;
   worker_.submit({std::move(*graph_), loops_});
   graph_.reset();
   stage_ = Stage::solving;
@@ -112,7 +112,8 @@ bool LoopCloser::due(int frame_index) const {
 
 void LoopCloser::carry_out(Map& map) {
   if (loop_.joined_maps) {
-    const Keyframe &keyframe = map.keyframe(loop_.keyframe), &old = map.keyframe(loop_.old_keyframe);
+    const Keyframe &keyframe = map.keyframe(loop_.keyframe),
+                   &old = map.keyframe(loop_.old_keyframe);
     if (keyframe.removed || old.removed || keyframe.map == old.map) {
       look_again();
       return;

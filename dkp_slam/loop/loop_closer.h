@@ -46,9 +46,9 @@ struct ClosedLoop {
 /// same. Where the old place lies in another map, that map and this one become one instead, as they
 /// are.
 ///
-/// All of it runs beside the tracker. The pose graph is solved by another thread, on a snapshot; the
-/// rest belongs to the tracking thread, which does a bounded part of it per frame. While one loop
-/// is under way no other is looked for: where the place stays in view it is found after that.
+/// All of it runs beside the tracker. The pose graph is solved by another thread, on a snapshot;
+/// the rest belongs to the tracking thread, which does a bounded part of it per frame. While one
+/// loop is under way no other is looked for: where the place stays in view it is found after that.
 class LoopCloser {
  public:
   /// `realtime`: the map is put right as soon as the pose graph is solved.
@@ -66,6 +66,8 @@ class LoopCloser {
   /// is under way that was made for the map as it was.
   void carry_out(Map& map);
 
+  /// Whether a loop was found, and the snapshot for it is being taken.
+  bool gathering() const { return stage_ == Stage::gathering; }
   /// Whether a loop was found that `carry_out` has not been called for, and only waits for it.
   bool waiting() const { return stage_ == Stage::solving; }
   /// Whether `advance` or `carry_out` has anything left to do.
@@ -97,7 +99,7 @@ class LoopCloser {
   const bool realtime_;
   LoopDetector detector_;
   Stage stage_ = Stage::looking;
-  std::deque<int> waiting_;  // keyframes to look at, the first one under way
+  std::deque<int> waiting_;     // keyframes to look at, the first one under way
   std::deque<int> candidates_;  // that it may close a loop with
   ClosedLoop loop_;             // under way
   Se3 keyframe_from_old_;

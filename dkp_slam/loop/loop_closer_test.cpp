@@ -1,14 +1,17 @@
 #include "dkp_slam/loop/loop_closer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <random>
+#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "dkp_slam/evaluation/absolute_error.h"
+#include "dkp_slam/map/test_map.h"
 
 namespace dkp_slam {
 namespace {
@@ -92,10 +95,11 @@ class RoundTrip {
     return std::nullopt;
   }
 
-  /// RMSE of the keyframes' positions after alignment, metres.
+  /// RMSE of the keyframes' positions after alignment, metres; of those that are still there.
   double error() const {
     Trajectory truth, path;
     for (int k = 0; k < map.keyframe_ids(); ++k) {
+      if (map.keyframe(k).removed) continue;
       truth.push_back({double(k), true_pose(k).inverse()});
       path.push_back({double(k), map.keyframe(k).camera_from_world.inverse()});
     }
@@ -196,6 +200,115 @@ TEST(LoopCloserTest, RepeatsExactly) {
   }
   EXPECT_EQ(first.closer->closed().size(), 1U);
   EXPECT_EQ(first.error(), second.error());
+}
+
+/// Goes on until a loop was found and its pose graph is being solved.
+void go_until_solving(RoundTrip& trip) {
+  for (int i = 0; i < RoundTrip::steps_around + 5 && !trip.closer->waiting(); ++i) trip.step(true);
+  ASSERT_TRUE(trip.closer->waiting());
+  ASSERT_TRUE(trip.closer->closed().empty());
+}
+
+/// Options with which a loop is found in the step of its keyframe, and closed some steps later.
+LoopCloserOptions slow() {
+  LoopCloserOptions options;
+  options.delay = 60;
+  return options;
+}
+constexpr int frames_per_step = 20;
+
+TEST(LoopCloserTest, KeyframesThatComeMeanwhileMoveAlong) {
+  RoundTrip open(frames_per_step), closed(frames_per_step, slow());
+  go_until_solving(closed);
+  const int last = closed.map.keyframe_ids() - 1;
+  while (closed.closer->closed().empty()) closed.step(true);
+  const int later = closed.map.keyframe_ids() - 1;
+  ASSERT_GT(later, last + 1);
+  while (open.map.keyframe_ids() <= later) open.step(false);
+  EXPECT_LT(closed.error(), open.error() / 4.0) << closed.error() << " " << open.error();
+  // Each lies to the one before as it did.
+  for (int k = last + 1; k <= later; ++k) {
+    const auto step = [k](const Map& map) {
+      return map.keyframe(k).camera_from_world * map.keyframe(k - 1).camera_from_world.inverse();
+    };
+    EXPECT_LT((step(closed.map).inverse() * step(open.map)).log().norm(), 1e-6);
+  }
+}
+
+TEST(LoopCloserTest, TheSpeedOfTheSolverMakesNoDifference) {
+  RoundTrip fast(frames_per_step, slow()), late(frames_per_step, slow());
+  for (RoundTrip* trip : {&fast, &late}) {
+    go_until_solving(*trip);
+    // Here the solver is done long before; there it is waited for at the frame.
+    if (trip == &fast) std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    for (int i = 0; i < 6; ++i) trip->step(true);
+    ASSERT_FALSE(trip->closer->closed().empty());
+  }
+  EXPECT_EQ(testing::difference(fast.map, late.map), "");
+}
+
+TEST(LoopCloserTest, ALoopThatOpensMeanwhileIsClosedNext) {
+  // Beyond the first loop the camera knows nothing again, and comes to the next known place.
+  RoundTrip open(frames_per_step), closed(frames_per_step, slow());
+  for (int i = 0; i < RoundTrip::steps_around + 25; ++i) {
+    open.step(false);
+    closed.step(true);
+  }
+  const std::vector<ClosedLoop>& loops = closed.closer->closed();
+  ASSERT_GE(loops.size(), 2U);
+  EXPECT_GE(loops[1].keyframe, loops[0].keyframe + 3);
+  EXPECT_LT(closed.error(), open.error() / 4.0) << closed.error() << " " << open.error();
+}
+
+TEST(LoopCloserTest, WhatHasGoneMeanwhileIsPassedOver) {
+  RoundTrip trip(frames_per_step, slow());
+  go_until_solving(trip);
+  const int newest = trip.map.keyframe_ids() - 1;
+  // The loop's own keyframe, one in the middle, and landmarks of both ends.
+  for (const int k : {newest, 30}) {
+    trip.map.keyframe(k).parent = k - 1;
+    trip.map.remove_keyframe(k);
+  }
+  for (const int k : {2, newest - 1}) {
+    const std::vector<int> seen = trip.map.landmarks_of({k});
+    trip.map.remove_landmark(seen[0]);
+    trip.map.fuse_landmarks(seen[1], seen[2]);
+  }
+  while (trip.closer->busy()) trip.frame();
+  ASSERT_EQ(trip.closer->closed().size(), 1U);
+  EXPECT_LT(trip.error(), 0.05);
+  EXPECT_FALSE(Map(parts_of(trip.map)).landmarks().empty());
+}
+
+TEST(LoopCloserTest, ALoopWhoseKeyframeGoesBeforeTheSnapshotIsNotClosed) {
+  LoopCloserOptions options;
+  options.gathered_per_frame = 1;
+  RoundTrip trip(frames_per_step, options);
+  while (!trip.closer->gathering() && trip.map.keyframe_ids() < RoundTrip::steps_around + 5)
+    trip.step(true);
+  ASSERT_TRUE(trip.closer->gathering());
+  const int newest = trip.map.keyframe_ids() - 1;
+  trip.map.keyframe(newest).parent = newest - 1;
+  trip.map.remove_keyframe(newest);
+  while (trip.closer->busy()) trip.frame();
+  EXPECT_TRUE(trip.closer->closed().empty());
+}
+
+TEST(LoopCloserTest, InRealTimeItIsClosedAsSoonAsItIsSolved) {
+  LoopCloserOptions options;
+  options.delay = 1000000;
+  RoundTrip trip(frames_per_step, options, true);
+  for (int i = 0; i < 200 && trip.closer->closed().empty(); ++i) {
+    if (trip.map.keyframe_ids() < RoundTrip::steps_around) trip.step(true);
+    std::this_thread::sleep_for(std::chrono::milliseconds(trip.closer->waiting() ? 20 : 0));
+    trip.frame();
+  }
+  EXPECT_EQ(trip.closer->closed().size(), 1U);
+}
+
+TEST(LoopCloserTest, ItMayEndWhileAPoseGraphIsSolved) {
+  RoundTrip trip(frames_per_step, slow());
+  go_until_solving(trip);
 }
 
 }  // namespace

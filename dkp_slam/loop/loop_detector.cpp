@@ -70,7 +70,8 @@ void LoopDetector::count_votes(const Map& map, const PlaceIndex& places,
 std::vector<int> LoopDetector::closing_keyframes(const Map& map, const PlaceIndex& places) {
   const std::vector<char> known = tied(map, keyframe_);
   std::erase_if(votes_, [&](const PlaceCandidate& c) {
-    return known[static_cast<std::size_t>(c.keyframe)] || c.votes < options_.least_votes ||
+    const bool later = c.keyframe > keyframe_;  // came while this one waited for its turn
+    return later || known[static_cast<std::size_t>(c.keyframe)] || c.votes < options_.least_votes ||
            map.keyframe(c.keyframe).removed;
   });
   std::vector<Group> groups;

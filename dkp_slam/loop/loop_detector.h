@@ -53,7 +53,7 @@ class LoopDetector {
   int keyframe_ = -1;  // looked at, -1 for none
   std::size_t next_feature_ = 0;
   std::vector<PlaceCandidate> votes_;  // of its features so far, by keyframe
-  std::vector<Group> groups_;  // of the keyframe before
+  std::vector<Group> groups_;          // of the keyframe before
 };
 
 }  // namespace dkp_slam

@@ -36,8 +36,8 @@ class PlaceFusion {
   int keyframe_;
   std::vector<int> seen_;
   std::size_t next_seen_ = 0;
-  std::vector<int> around_;  // the keyframe and its neighbours
-  std::size_t next_ = 0;     // of these
+  std::vector<int> around_;                // the keyframe and its neighbours
+  std::size_t next_ = 0;                   // of these
   std::optional<NeighbourFusion> fusion_;  // about it, once begun
 };
 

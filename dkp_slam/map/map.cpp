@@ -329,7 +329,8 @@ void Map::refresh_view(int landmark_id) {
 
 void Map::set_range(Landmark& l, const Se3& first_camera_from_world) const {
   const Sighting& first = l.sightings.front();
-  const auto level = keyframe(first.keyframe).features.level[static_cast<std::size_t>(first.feature)];
+  const auto level =
+      keyframe(first.keyframe).features.level[static_cast<std::size_t>(first.feature)];
   const auto distance = static_cast<float>((first_camera_from_world * l.position).norm());
   l.max_distance = distance * scale_of(level);
   l.min_distance = l.max_distance / scales_.back();

@@ -156,9 +156,9 @@ class Map {
   IdTable<int> replaced_by_;  // the landmark that one was fused into
   std::deque<int> fused_;     // whose fusion is known, in the order in which they were fused
   std::int64_t forgotten_fusions_ = 0;
-  int moves_ = 0;  // made so far
+  int moves_ = 0;                         // made so far
   std::deque<MapMove> unfollowed_moves_;  // the last ones, which some landmark may have to follow
-  int next_to_follow_ = 0;  // landmark whose turn it is
+  int next_to_follow_ = 0;                // landmark whose turn it is
   int landmark_ids_ = 0;
   int live_keyframes_ = 0;
   std::vector<int> live_in_map_ = {0};

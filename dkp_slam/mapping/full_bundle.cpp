@@ -1,33 +1,11 @@
 #include "dkp_slam/mapping/full_bundle.h"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 
 #include "dkp_slam/localization/pose_refinement.h"
 
 namespace dkp_slam {
-namespace {
-
-/// Where each of the items comes to lie when they are sorted.
-template <class Item, class Before>
-std::vector<int> sort_with_places(std::vector<Item>& items, Before before) {
-  std::vector<int> order(items.size()), place(items.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto at = [&](int i) -> const Item& { return items[static_cast<std::size_t>(i)]; };
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return before(at(a), at(b)); });
-  std::vector<Item> sorted;
-  sorted.reserve(items.size());
-  for (const int i : order) {
-    place[static_cast<std::size_t>(i)] = static_cast<int>(sorted.size());
-    sorted.push_back(at(i));
-  }
-  items = std::move(sorted);
-  return place;
-}
-
-}  // namespace
-
 FullBundle::FullBundle(const Map& map, int centre, std::size_t most_sightings)
     : which_(map.keyframe(centre).map),
       most_sightings_(most_sightings),
@@ -49,10 +27,11 @@ int FullBundle::next_keyframe(const Map& map) {
 }
 
 bool FullBundle::gather(const Map& map, const MeasurementModel& model, std::size_t sightings) {
-  const std::size_t enough = sightings < most_sightings_ - problem_.sightings.size()
-                                 ? problem_.sightings.size() + sightings
+  has_point_.resize(static_cast<std::size_t>(map.landmark_ids()), false);
+  const std::size_t enough = sightings < most_sightings_ - sightings_.size()
+                                 ? sightings_.size() + sightings
                                  : most_sightings_;
-  while (problem_.sightings.size() < enough) {
+  while (sightings_.size() < enough) {
     const int k = next_keyframe(map);
     if (k < 0) return true;
     if (!map.keyframe(k).removed) take_in(map, model, k);
@@ -65,17 +44,16 @@ bool FullBundle::gather(const Map& map, const MeasurementModel& model, std::size
 
 void FullBundle::take_in(const Map& map, const MeasurementModel& model, int keyframe) {
   const Keyframe& k = map.keyframe(keyframe);
-  const auto pose = static_cast<int>(problem_.poses.size());
-  pose_of_[static_cast<std::size_t>(keyframe)] = pose;
-  problem_.poses.push_back({keyframe, k.camera_from_world, false});
+  pose_of_[static_cast<std::size_t>(keyframe)] = static_cast<int>(poses_.size());
+  poses_.push_back({keyframe, k.camera_from_world, false});
   for (std::size_t f = 0; f < k.landmarks.size(); ++f) {
     const int l = k.landmarks[f];
     if (l < 0) continue;
-    const auto [point, is_new] =
-        point_of_.try_emplace(l, static_cast<int>(problem_.points.size()));
-    if (is_new) problem_.points.push_back({l, map.landmark(l).position});
-    problem_.sightings.push_back(
-        {pose, point->second, observation_of(k.features, static_cast<int>(f), map, model)});
+    sightings_.push_back(
+        {keyframe, l, observation_of(k.features, static_cast<int>(f), map, model)});
+    if (has_point_[static_cast<std::size_t>(l)]) continue;
+    has_point_[static_cast<std::size_t>(l)] = true;
+    points_.push_back({l, map.landmark(l).position});
   }
   for (const auto& [other, shared] : k.covisible) {
     if (other >= first_later() || met_[static_cast<std::size_t>(other)]) continue;
@@ -88,36 +66,38 @@ void FullBundle::fix_rim(const Map& map) {
   for (std::size_t i = next_; i < queue_.size(); ++i) {
     for (const auto& [other, shared] : map.keyframe(queue_[i]).covisible) {
       const int pose = other < first_later() ? pose_of_[static_cast<std::size_t>(other)] : -1;
-      if (pose >= 0) problem_.poses[static_cast<std::size_t>(pose)].fixed = true;
+      if (pose >= 0) poses_[static_cast<std::size_t>(pose)].fixed = true;
     }
   }
 }
 
 BundleProblem FullBundle::take() && {
-  auto& [poses, points, sightings] = problem_;
-  const bool any_fixed =
-      std::any_of(poses.begin(), poses.end(), [](const auto& p) { return p.fixed; });
-  if (!poses.empty() && !any_fixed) {
-    std::min_element(poses.begin(), poses.end(), [](const auto& a, const auto& b) {
-      return a.keyframe < b.keyframe;
-    })->fixed = true;
+  BundleProblem problem;
+  problem.poses = std::move(poses_);
+  const auto older = [](const auto& a, const auto& b) { return a.keyframe < b.keyframe; };
+  std::sort(problem.poses.begin(), problem.poses.end(), older);
+  const bool any_fixed = std::any_of(problem.poses.begin(), problem.poses.end(),
+                                     [](const auto& p) { return p.fixed; });
+  if (!problem.poses.empty() && !any_fixed) problem.poses.front().fixed = true;
+  std::stable_partition(problem.poses.begin(), problem.poses.end(),
+                        [](const auto& p) { return !p.fixed; });
+  for (std::size_t i = 0; i < problem.poses.size(); ++i) {
+    pose_of_[static_cast<std::size_t>(problem.poses[i].keyframe)] = static_cast<int>(i);
   }
-  const std::vector<int> pose_place = sort_with_places(poses, [](const auto& a, const auto& b) {
-    return std::tie(a.fixed, a.keyframe) < std::tie(b.fixed, b.keyframe);
+  problem.points.assign(points_.begin(), points_.end());
+  std::sort(problem.points.begin(), problem.points.end(),
+            [](const auto& a, const auto& b) { return a.landmark < b.landmark; });
+  std::sort(sightings_.begin(), sightings_.end(), [](const Seen& a, const Seen& b) {
+    return std::tie(a.landmark, a.keyframe) < std::tie(b.landmark, b.keyframe);
   });
-  const std::vector<int> point_place = sort_with_places(
-      points, [](const auto& a, const auto& b) { return a.landmark < b.landmark; });
-  for (BundleProblem::Sighting& s : sightings) {
-    s.pose = pose_place[static_cast<std::size_t>(s.pose)];
-    s.point = point_place[static_cast<std::size_t>(s.point)];
+  problem.sightings.reserve(sightings_.size());
+  std::size_t point = 0;
+  for (const Seen& s : sightings_) {
+    while (problem.points[point].landmark != s.landmark) ++point;
+    problem.sightings.push_back(
+        {pose_of_[static_cast<std::size_t>(s.keyframe)], static_cast<int>(point), s.seen});
   }
-  const auto keyframe = [&](const BundleProblem::Sighting& s) {
-    return poses[static_cast<std::size_t>(s.pose)].keyframe;
-  };
-  std::sort(sightings.begin(), sightings.end(), [&](const auto& a, const auto& b) {
-    return a.point != b.point ? a.point < b.point : keyframe(a) < keyframe(b);
-  });
-  return std::move(problem_);
+  return problem;
 }
 
 BundleProblem full_bundle(const Map& map, const MeasurementModel& model, int which,

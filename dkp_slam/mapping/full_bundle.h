@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <limits>
-#include <unordered_map>
 #include <vector>
 
 #include "dkp_slam/map/map.h"
@@ -24,8 +24,8 @@ class FullBundle {
   /// Takes in keyframes until they have about so many sightings; true when all are in.
   bool gather(const Map& map, const MeasurementModel& model, std::size_t sightings);
 
-  std::size_t keyframes() const { return problem_.poses.size(); }
-  std::size_t sightings() const { return problem_.sightings.size(); }
+  std::size_t keyframes() const { return poses_.size(); }
+  std::size_t sightings() const { return sightings_.size(); }
   /// Whether keyframes of the map were left out.
   bool cut() const { return cut_; }
   /// Ids of keyframes that came after the snapshot begin with this one.
@@ -36,6 +36,11 @@ class FullBundle {
   BundleProblem take() &&;
 
  private:
+  struct Seen {
+    int keyframe, landmark;
+    Observation seen;
+  };
+
   /// The next keyframe to take in, -1 when there is none.
   int next_keyframe(const Map& map);
   void take_in(const Map& map, const MeasurementModel& model, int keyframe);
@@ -43,14 +48,17 @@ class FullBundle {
 
   int which_;
   std::size_t most_sightings_;
-  std::vector<char> met_;      // by keyframe id: in the queue, or has been
-  std::vector<int> pose_of_;   // by keyframe id, -1 for none
-  std::vector<int> queue_;     // keyframes, breadth first
-  std::size_t next_ = 0;       // of the queue
-  int next_unconnected_ = 0;   // keyframe id to look at when the queue is empty
+  std::vector<char> met_;     // by keyframe id: in the queue, or has been
+  std::vector<int> pose_of_;  // by keyframe id, -1 for none
+  std::vector<int> queue_;    // keyframes, breadth first
+  std::size_t next_ = 0;      // of the queue
+  int next_unconnected_ = 0;  // keyframe id to look at when the queue is empty
   bool cut_ = false;
-  std::unordered_map<int, int> point_of_;  // by landmark id
-  BundleProblem problem_;
+  // Lists that never move what they hold: that alone would keep a frame waiting.
+  std::vector<BundleProblem::Pose> poses_;
+  std::deque<BundleProblem::Point> points_;
+  std::deque<Seen> sightings_;
+  std::vector<bool> has_point_;  // by landmark id
 };
 
 /// All of it at once; of one map, by number. Empty where the map is.

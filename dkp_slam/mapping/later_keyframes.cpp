@@ -8,9 +8,9 @@ void move_with_later_keyframes(Map& map, MapMove move, int first_later) {
   const std::size_t known = move.keyframes.size();
   const auto find = [&](int id) -> const MapMove::Keyframe* {
     const auto end = move.keyframes.begin() + static_cast<std::ptrdiff_t>(known);
-    const auto it = std::lower_bound(
-        move.keyframes.begin(), end, id,
-        [](const MapMove::Keyframe& k, int wanted) { return k.id < wanted; });
+    const auto it =
+        std::lower_bound(move.keyframes.begin(), end, id,
+                         [](const MapMove::Keyframe& k, int wanted) { return k.id < wanted; });
     return it != end && it->id == id ? &*it : nullptr;
   };
   for (int k = first_later; k < map.keyframe_ids(); ++k) {

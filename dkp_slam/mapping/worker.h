@@ -97,7 +97,7 @@ class Worker {
   }
 
   const Solve solve_;
-  bool pending_ = false;                      // of the submitting thread alone
+  bool pending_ = false;                     // of the submitting thread alone
   std::shared_ptr<std::atomic<bool>> stop_;  // of the job submitted last
   mutable std::mutex mutex_;
   std::condition_variable changed_;
