@@ -14,7 +14,7 @@
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/loop/map_joiner.h"
-#include "dkp_slam/map/map_parts.h"
+#include "dkp_slam/map/map_snapshot.h"
 #include "dkp_slam/map_file/map_file.h"
 #include "dkp_slam/mapping/full_adjustment.h"
 

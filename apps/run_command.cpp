@@ -12,6 +12,7 @@
 
 #include "apps/camera_choice.h"
 #include "apps/commands.h"
+#include "apps/observer_failure.h"
 #include "apps/progress.h"
 #include "apps/run_map.h"
 #include "apps/run_options.h"
@@ -23,18 +24,18 @@
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
-#include "dkp_slam/stopwatch.h"
+#include "dkp_slam/system/playback.h"
 #include "dkp_slam/system/slam.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
 namespace {
 
-const std::map<std::string, DynamicsMode> modes{{"off", DynamicsMode::off},
-                                                {"d", DynamicsMode::d},
-                                                {"dk", DynamicsMode::dk},
-                                                {"dkp", DynamicsMode::dkp},
-                                                {"dkp+", DynamicsMode::dkp_plus}};
+std::map<std::string, DynamicsMode> modes() {
+  std::map<std::string, DynamicsMode> all;
+  for (const ModeInfo& m : dynamics_modes()) all.emplace(m.name, m.mode);
+  return all;
+}
 const std::map<std::string, DetectorKind> detectors{{"auto", DetectorKind::automatic},
                                                     {"yolox", DetectorKind::yolox},
                                                     {"motion", DetectorKind::motion},
@@ -75,7 +76,7 @@ nlohmann::ordered_json describe(const RunOptions& options) {
   nlohmann::ordered_json json;
   json["sequence"] = options.sequence;
   json["camera"] = options.camera;
-  json["mode"] = mode_name(options.mode);
+  json["mode"] = mode_info(options.mode).name;
   json["model"] = yolox ? options.detector.yolox.model.string() : "";
   json["detections"] = options.detections.string();
   json["classes"] = options.classes.string();
@@ -87,44 +88,63 @@ nlohmann::ordered_json describe(const RunOptions& options) {
   return json;
 }
 
-/// Feeds all frames to the system. What goes wrong on the way ends the run and is noted.
-RunTotals play(FrontEnd& front_end, Slam& slam, RunMap& map, OverlayWriter* overlay, RunLog& log,
-               std::optional<std::size_t> frames) {
+/// Keeps detections.txt: what the detector said of each frame.
+class DetectionLog : public SlamObserver {
+ public:
+  explicit DetectionLog(RunLog& log) : log_(log) {}
+  void on_frame(const std::shared_ptr<const FrameSnapshot>& snapshot) override {
+    failure_.guard([&] { log_.add(snapshot->frame.timestamp, snapshot->detections.detections); });
+  }
+  void rethrow_failure() const { failure_.rethrow(); }
+
+ private:
+  RunLog& log_;
+  ObserverFailure failure_;
+};
+
+/// Everything of a run that is told what happens.
+struct RunObservers {
+  std::shared_ptr<RunMap> map;
+  std::shared_ptr<DetectionLog> detections;
+  std::shared_ptr<OverlayWriter> overlay;  // null without pictures
+
+  void join(Slam& slam, bool with_map) const {
+    const ObserverOptions every{Delivery::every};
+    slam.add_observer(detections, every);
+    if (overlay) slam.add_observer(overlay, every);
+    if (with_map) slam.add_observer(map, {.map = true});
+  }
+  void rethrow_failure() const {
+    map->rethrow_failure();
+    detections->rethrow_failure();
+    if (overlay) overlay->rethrow_failure();
+  }
+};
+
+/// Plays the source to the system. What goes wrong on the way ends the run and is noted.
+RunTotals play_run(RgbdSource& source, Slam& slam, const RunObservers& observers, RunLog& log,
+                   const PlaybackOptions& playback) {
   RunTotals totals;
-  Progress progress("run", frames);
-  Stopwatch watch;
-  FrameReport report;
-  const auto note = [&] {
-    totals.add(report);
-    log.add(report);
-  };
-  bool under_way = false;  // tracked, not noted
+  Progress progress("run", source.size());
   try {
-    while (!interrupted()) {
-      const std::optional<PreparedFrame> prepared = front_end.next();
-      if (!prepared) break;
-      FrameDynamics dynamics;
-      report = slam.track(*prepared, &dynamics);
-      under_way = true;
-      log.add(prepared->frame.timestamp, prepared->detections);
-      if (overlay && overlay->wants(prepared->frame.index)) overlay->write(*prepared, dynamics);
-      map.update(slam.map());
-      report.frame_ms = watch.lap_ms();
-      report.resident_mb = resident_memory_mb();
-      note();
-      under_way = false;
+    play(source, slam, playback, [&](const FrameResult& result) {
+      totals.add(result);
+      log.add(result, resident_memory_mb());
+      observers.rethrow_failure();
       progress.update(
-          static_cast<std::size_t>(report.index) + 1,
-          report.localised ? fmt::format("{} landmarks", report.tracked_landmarks) : "lost");
-    }
+          static_cast<std::size_t>(result.index) + 1,
+          result.localised ? fmt::format("{} landmarks", result.tracked_landmarks) : "lost");
+    });
+    observers.rethrow_failure();
   } catch (const std::exception& error) {
     totals.failure = error.what();
-    if (under_way) note();
   }
-  totals.skipped_frames = front_end.skipped_frames();
-  totals.dropped_frames = front_end.dropped_frames();
-  totals.detector_failures = front_end.detector_failures();
-  if (overlay) totals.pictures = overlay->pictures();
+  totals.skipped_frames = source.skipped();
+  const SlamCounters counters = slam.counters();
+  totals.dropped_frames = counters.dropped;
+  totals.detector_failures = counters.detector_failures;
+  if (observers.overlay) totals.pictures = observers.overlay->pictures();
+  totals.interrupted = interrupted();
   return totals;
 }
 
@@ -154,27 +174,29 @@ void run(RunOptions options) {
   // other mistakes leave none behind.
   auto source = open_tum_folder(options.sequence, slam_options.camera);
   auto detector = choose_detector(options, slam_options.camera);
-  RunMap map(options.map, options.localize, slam_options);
+  RunObservers observers;
+  observers.map = std::make_shared<RunMap>(options.map, options.localize, slam_options);
   slam_options.localize_only = !options.localize.empty();
   prepare_run_folder(options.out);
-  std::optional<OverlayWriter> overlay;
-  if (options.overlay) overlay.emplace(options.out, options.overlay_every);
+  if (options.overlay) {
+    observers.overlay = std::make_shared<OverlayWriter>(options.out, options.overlay_every);
+  }
 
   RunLog log(options.out);
+  observers.detections = std::make_shared<DetectionLog>(log);
   RunResult result;
   result.options = describe(options);
   result.detector = detector ? detector->name() : "none";
   catch_interrupts();
-  Slam slam(slam_options, map.take_stored());
-  map.begin(slam.map());
-  {
-    const std::optional<std::size_t> frames = source->size();
-    FrontEnd front_end(std::move(source), std::move(detector),
-                       {slam_options.orb, options.realtime, options.one_at_a_time});
-    result.totals = play(front_end, slam, map, overlay ? &*overlay : nullptr, log, frames);
-  }
-  slam.finish(&interrupt_flag());
-  result.totals.interrupted = interrupted();
+  std::optional<Map> stored = observers.map->take_stored();
+  const bool with_map = observers.map->begin(slam_options);
+  Slam slam(slam_options, std::move(detector), std::move(stored));
+  observers.join(slam, with_map);
+  PlaybackOptions playback;
+  playback.rate = options.realtime ? 1.0 : 0.0;
+  playback.one_at_a_time = options.one_at_a_time;
+  playback.stop = &interrupt_flag();
+  result.totals = play_run(*source, slam, observers, log, playback);
   std::vector<Trajectory> paths = slam.trajectories();
   if (!paths.empty()) {
     result.trajectory = std::move(paths.front());
@@ -182,7 +204,7 @@ void run(RunOptions options) {
                               std::make_move_iterator(paths.end()));
   }
   try {
-    map.finish(slam.map());
+    observers.map->finish();
   } catch (const Error& error) {
     if (result.totals.failure.empty()) result.totals.failure = error.what();
   }
@@ -224,11 +246,6 @@ void add_detector_options(CLI::App& command, RunOptions& options) {
 
 }  // namespace
 
-std::string mode_name(DynamicsMode mode) {
-  return std::find_if(modes.begin(), modes.end(), [&](const auto& m) { return m.second == mode; })
-      ->first;
-}
-
 void add_run_command(CLI::App& program) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = program.add_subcommand(
@@ -239,9 +256,9 @@ void add_run_command(CLI::App& program) {
                       "SEQUENCE/camera.yaml, else by the folder's name");
   command
       ->add_option("--mode", options->mode,
-                   "What is removed: off (nothing), d (boxes), dk (clustered masks), dkp (the "
-                   "paper), dkp+ (the paper, improved)")
-      ->transform(CLI::CheckedTransformer(modes).description(names_of(modes)))
+                   "What is removed: off (nothing), paper (the paper to the letter), d (boxes), dk "
+                   "(clustered masks), dkp (region and epipolar rule), dkp+ (ours); docs/modes.md")
+      ->transform(CLI::CheckedTransformer(modes()).description(mode_names()))
       ->default_str("dkp+");
   add_detector_options(*command, *options);
   auto* realtime =

@@ -15,18 +15,18 @@ namespace {
 
 struct Column {
   const char* name;
-  double FrameReport::*value;
+  double FrameResult::*value;
 };
 
 /// The last ones of a line.
 constexpr std::array columns = {
-    Column{"decode", &FrameReport::decode_ms},
-    Column{"features", &FrameReport::feature_ms},
-    Column{"detection", &FrameReport::detection_ms},
-    Column{"clustering", &FrameReport::clustering_ms},
-    Column{"removal", &FrameReport::removal_ms},
-    Column{"tracking", &FrameReport::tracking_ms},
-    Column{"frame", &FrameReport::frame_ms},
+    Column{"decode", &FrameResult::decode_ms},
+    Column{"features", &FrameResult::feature_ms},
+    Column{"detection", &FrameResult::detection_ms},
+    Column{"clustering", &FrameResult::clustering_ms},
+    Column{"removal", &FrameResult::removal_ms},
+    Column{"tracking", &FrameResult::tracking_ms},
+    Column{"frame", &FrameResult::frame_ms},
 };
 
 std::string header() {
@@ -37,11 +37,11 @@ std::string header() {
   return line + '\n';
 }
 
-std::string line_of(const FrameReport& f) {
-  std::string line = fmt::format(
-      "{},{:.6f},{:d},{:d},{},{},{},{},{},{},{},{:.1f}", f.index, f.timestamp, f.localised,
-      f.keyframe, f.features, f.removed_features, f.detections, f.compensated, f.tracked_landmarks,
-      f.map_keyframes, f.map_landmarks, f.resident_mb);
+std::string line_of(const FrameResult& f, double memory_mb) {
+  std::string line =
+      fmt::format("{},{:.6f},{:d},{:d},{},{},{},{},{},{},{},{:.1f}", f.index, f.timestamp,
+                  f.localised, f.keyframe, f.features, f.removed_features, f.detections,
+                  f.compensated, f.tracked_landmarks, f.map_keyframes, f.map_landmarks, memory_mb);
   for (const Column& c : columns) line += fmt::format(",{:.3f}", f.*c.value);
   return line + '\n';
 }
@@ -54,7 +54,9 @@ RunLog::RunLog(const std::filesystem::path& folder)
   detections_.append(recorded_header());
 }
 
-void RunLog::add(const FrameReport& frame) { timings_.append(line_of(frame)); }
+void RunLog::add(const FrameResult& frame, double memory_mb) {
+  timings_.append(line_of(frame, memory_mb));
+}
 
 void RunLog::add(double timestamp, const std::vector<Detection>& detections) {
   detections_.append(recorded_lines(timestamp, detections));

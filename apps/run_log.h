@@ -6,7 +6,7 @@
 
 #include "dkp_slam/detection/detector.h"
 #include "dkp_slam/export/atomic_file.h"
-#include "dkp_slam/system/slam.h"
+#include "dkp_slam/system/frame_result.h"
 
 namespace dkp_slam::apps {
 
@@ -23,7 +23,8 @@ class RunLog {
  public:
   explicit RunLog(const std::filesystem::path& folder);
 
-  void add(const FrameReport& frame);
+  /// `memory_mb`: of the whole process.
+  void add(const FrameResult& frame, double memory_mb);
   void add(double timestamp, const std::vector<Detection>& detections);
   /// Of each stage, 0 without frames; in the order of the columns, the whole frame last.
   std::vector<StageMedian> medians();

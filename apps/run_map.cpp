@@ -7,7 +7,7 @@
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
 
-RunMap::RunMap(const fs::path& map, const fs::path& localize, const SlamConfig& options)
+RunMap::RunMap(const fs::path& map, const fs::path& localize, const SlamConfig& config)
     : file_(map) {
   const fs::path& source = localize.empty() ? map : localize;
   if (source.empty()) return;
@@ -16,7 +16,7 @@ RunMap::RunMap(const fs::path& map, const fs::path& localize, const SlamConfig& 
     return;
   }
   stored_.emplace(read_map(source));
-  check_fits(*stored_, options.camera, options.orb.scale, options.orb.levels);
+  check_fits(*stored_, config.camera, config.orb.scale, config.orb.levels);
   spdlog::info("{}: {} keyframes, {} landmarks", source.string(), stored_->map.live_keyframes(),
                stored_->map.live_landmarks());
 }
@@ -26,18 +26,21 @@ std::optional<Map> RunMap::take_stored() {
   return std::move(stored_->map);
 }
 
-void RunMap::begin(const Map& map) {
-  if (file_.empty()) return;
+bool RunMap::begin(const SlamConfig& config) {
+  if (file_.empty()) return false;
   writer_ = stored_ ? std::make_unique<MapWriter>(file_, std::move(stored_->state))
-                    : std::make_unique<MapWriter>(file_, map);
+                    : std::make_unique<MapWriter>(
+                          file_, Map(config.camera, config.orb.scale, config.orb.levels));
+  return true;
 }
 
-void RunMap::update(const Map& map) {
-  if (writer_ && writer_->due()) writer_->update(map);
+void RunMap::on_map(const MapChange& change) {
+  failure_.guard([&] { writer_->write(change); });
 }
 
-void RunMap::finish(const Map& map) {
-  if (writer_) writer_->finish(map);
+void RunMap::finish() {
+  failure_.rethrow();
+  if (writer_) writer_->finish();
 }
 
 }  // namespace dkp_slam::apps

@@ -4,32 +4,39 @@
 #include <memory>
 #include <optional>
 
+#include "apps/observer_failure.h"
 #include "dkp_slam/map_file/map_file.h"
 #include "dkp_slam/map_file/map_writer.h"
-#include "dkp_slam/system/slam.h"
+#include "dkp_slam/system/config.h"
+#include "dkp_slam/system/observer.h"
 
 namespace dkp_slam::apps {
 
 /// The map file of a run, if there is one.
-class RunMap {
+class RunMap : public SlamObserver {
  public:
   /// Reads what there is to start from; leaves everything as it is. At most one of the two names.
   /// Throws `Error` where the file cannot be used.
   RunMap(const std::filesystem::path& map, const std::filesystem::path& localize,
-         const SlamConfig& options);
+         const SlamConfig& config);
 
   /// The map that was read; once.
   std::optional<Map> take_stored();
-  /// Makes or takes hold of the file. From here on all throw `Error` when it cannot be written.
-  void begin(const Map& map);
-  /// After every frame.
-  void update(const Map& map);
-  void finish(const Map& map);
+  /// Makes or takes hold of the file; false where the run keeps none. From here on the file follows
+  /// the map as this observer is told. Throws `Error` when it cannot be written.
+  bool begin(const SlamConfig& config);
+  void on_map(const MapChange& change) override;
+  /// Throws `Error` when something could not be written; the file then holds what was committed
+  /// before.
+  void rethrow_failure() const { failure_.rethrow(); }
+  /// After the run: everything is in the file itself. Throws as `rethrow_failure`.
+  void finish();
 
  private:
   const std::filesystem::path file_;  // to keep up to date; empty for none
   std::optional<StoredMap> stored_;
-  std::unique_ptr<MapWriter> writer_;
+  std::unique_ptr<MapWriter> writer_;  // the observer's thread's, between `begin` and `finish`
+  ObserverFailure failure_;
 };
 
 }  // namespace dkp_slam::apps

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "dkp_slam/detection/factory/detector_factory.h"
-#include "dkp_slam/dynamics/frame_dynamics.h"
+#include "dkp_slam/dynamics/modes.h"
 
 namespace dkp_slam::apps {
 
@@ -24,8 +24,5 @@ struct RunOptions {
   bool overlay = false;
   int overlay_every = 30;  ///< frames; one picture a second
 };
-
-/// As on the command line: "dkp+".
-std::string mode_name(DynamicsMode mode);
 
 }  // namespace dkp_slam::apps

@@ -41,12 +41,16 @@ OverlayWriter::OverlayWriter(const fs::path& out, int every)
   }
 }
 
-void OverlayWriter::write(const PreparedFrame& prepared, const FrameDynamics& dynamics) {
-  std::vector<unsigned char> png;
-  cv::imencode(".png", draw_overlay(prepared.frame, prepared.orb.keypoints, dynamics), png);
-  write_file_atomically(folder_ / picture_name(prepared.frame.index),
-                        {reinterpret_cast<const char*>(png.data()), png.size()});
-  ++pictures_;
+void OverlayWriter::on_frame(const std::shared_ptr<const FrameSnapshot>& snapshot) {
+  if (snapshot->frame.index % every_ != 0) return;
+  failure_.guard([&] {
+    std::vector<unsigned char> png;
+    cv::imencode(".png", draw_overlay(snapshot->frame, snapshot->keypoints, snapshot->dynamics),
+                 png);
+    write_file_atomically(folder_ / picture_name(snapshot->frame.index),
+                          {reinterpret_cast<const char*>(png.data()), png.size()});
+    ++pictures_;
+  });
 }
 
 }  // namespace dkp_slam::apps

@@ -47,7 +47,7 @@ double rounded(double value, double digits) { return std::round(value * digits) 
 
 }  // namespace
 
-void RunTotals::add(const FrameReport& frame) {
+void RunTotals::add(const FrameResult& frame) {
   ++frames;
   localised += frame.localised;
   detections += frame.detections;

@@ -10,7 +10,8 @@
 
 #include "apps/run_log.h"
 #include "dkp_slam/evaluation/statistics.h"
-#include "dkp_slam/system/slam.h"
+#include "dkp_slam/geometry/stamped_pose.h"
+#include "dkp_slam/system/frame_result.h"
 
 namespace dkp_slam::apps {
 
@@ -18,7 +19,7 @@ namespace dkp_slam::apps {
 struct RunTotals {
   std::size_t frames = 0;
   std::size_t localised = 0;
-  long detections = 0, compensated = 0;  ///< see FrameReport
+  long detections = 0, compensated = 0;  ///< see FrameResult
   long features = 0, removed_features = 0;
   std::size_t skipped_frames = 0;  ///< images that could not be read
   int dropped_frames = 0;          ///< too late in real time
@@ -27,7 +28,7 @@ struct RunTotals {
   bool interrupted = false;
   std::string failure;  ///< what ended the run early; empty when nothing did
 
-  void add(const FrameReport& frame);
+  void add(const FrameResult& frame);
 };
 
 /// Everything a run leaves behind.

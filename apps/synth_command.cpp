@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "apps/sequence_writer.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/geometry/sensor_scale.h"
 #include "dkp_slam/synth/source.h"
 #include "dkp_slam/version.h"
 
@@ -30,6 +32,9 @@ struct SynthArguments {
   std::string out;
   std::uint64_t seed = 1;
   std::optional<std::size_t> frames;
+  int width = 640;
+  int height = 480;
+  double rate = 30.0;
   std::string trajectory;
   std::string noise = "kinect";
   bool rolling_shutter = false;
@@ -68,7 +73,12 @@ SyntheticOptions options_of(const SynthArguments& arguments) {
   options.seed = arguments.seed;
   options.kinect_noise = arguments.noise == "kinect";
   options.trajectory = arguments.trajectory;
-  // As long as the recorded path lasts, where nothing else is said.
+  options.camera = resized(options.camera, arguments.width, arguments.height);
+  const double usual_rate = options.camera.frame_rate;
+  options.camera.frame_rate = arguments.rate;
+  // As many seconds at any rate, and as long as the recorded path lasts where there is one.
+  options.frames = static_cast<std::size_t>(
+      std::lround(static_cast<double>(options.frames) * arguments.rate / usual_rate));
   if (!arguments.trajectory.empty()) options.frames = 0;
   if (arguments.frames) options.frames = *arguments.frames;
   // The Kinect's and the Xtion's, as in config/tum_fr3.yaml.
@@ -82,6 +92,9 @@ void write_description(const SynthArguments& arguments, std::size_t frames) {
       {"scenario", arguments.scenario},
       {"seed", arguments.seed},
       {"frames", frames},
+      {"width", arguments.width},
+      {"height", arguments.height},
+      {"rate", arguments.rate},
       {"trajectory", arguments.trajectory},
       {"noise", arguments.noise},
       {"rolling_shutter", arguments.rolling_shutter}};
@@ -151,9 +164,21 @@ void add_synth_command(CLI::App& program) {
       ->capture_default_str();
   command
       ->add_option("--frames", arguments->frames,
-                   "Frames, 30 a second [600; as many as moved_furniture and flat_loop take; of a "
+                   "Frames [20 seconds; as many as moved_furniture and flat_loop take; of a "
                    "trajectory all]")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1000000}));
+  command->add_option("--width", arguments->width, "Of the images, pixels; the view stays as wide")
+      ->check(CLI::Range(64, 4096))
+      ->capture_default_str();
+  command
+      ->add_option("--height", arguments->height,
+                   "Of the images, pixels; for another shape the view is cut off above and below, "
+                   "or sees more")
+      ->check(CLI::Range(64, 4096))
+      ->capture_default_str();
+  command->add_option("--rate", arguments->rate, "Frames a second; all moves as fast as ever")
+      ->check(CLI::Range(1.0, 240.0))
+      ->capture_default_str();
   command->add_option("--trajectory", arguments->trajectory,
                       "Camera path (TUM format, z up) instead of the scenario's own; it is put "
                       "into the office as a whole");

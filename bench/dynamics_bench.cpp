@@ -61,15 +61,6 @@ std::map<int, std::vector<Detection>> read_detections(const std::string& path) {
   return all;
 }
 
-DynamicsMode mode_of(const std::string& name) {
-  const std::map<std::string, DynamicsMode> modes{{"off", DynamicsMode::off},
-                                                  {"d", DynamicsMode::d},
-                                                  {"dk", DynamicsMode::dk},
-                                                  {"dkp", DynamicsMode::dkp},
-                                                  {"dkp+", DynamicsMode::dkp_plus}};
-  return modes.at(name);
-}
-
 double median(std::vector<double> v) {
   if (v.empty()) return 0.0;
   std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
@@ -104,7 +95,7 @@ struct Totals {
 void run(const BenchOptions& bench) {
   const Camera camera = load_camera(bench.camera);
   DynamicsOptions options;
-  options.mode = mode_of(bench.mode);
+  options.mode = mode_named(bench.mode);
   if (bench.clustering == "paper") options.clustering.mode = ClusteringMode::paper;
   if (bench.clustering == "band") options.clustering.mode = ClusteringMode::band;
   DynamicsModule dynamics(camera, options);
@@ -142,7 +133,8 @@ void run(const BenchOptions& bench) {
     } else if (const auto found = cached.find(i); found != cached.end()) {
       detections = found->second;
     }
-    const FrameDynamics result = dynamics.process(frame, grey, keypoints, detections);
+    const FrameDynamics result =
+        dynamics.process(frame, grey, keypoints, {frame.timestamp, true, detections});
     ++totals.frames;
     totals.features += keypoints.size();
     totals.clustering_ms.push_back(result.clustering_ms);
@@ -204,7 +196,7 @@ int main(int argc, char** argv) {
   app.add_option("--camera", bench.camera, "camera file")->required();
   app.add_option("--model", bench.model, "YOLOX model");
   app.add_option("--detections", bench.detections, "file of detections instead of a model");
-  app.add_option("--mode", bench.mode)->check(CLI::IsMember({"off", "d", "dk", "dkp", "dkp+"}));
+  app.add_option("--mode", bench.mode, dkp_slam::mode_names());
   app.add_option("--clustering", bench.clustering)
       ->check(CLI::IsMember({"adaptive", "paper", "band"}));
   app.add_option("--first", bench.first, "first frame");

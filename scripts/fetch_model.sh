@@ -7,14 +7,15 @@ default_folder=${XDG_CACHE_HOME:-$HOME/.cache}/dkp-slam
 
 usage() {
   cat <<TEXT
-usage: scripts/fetch_model.sh [nano|tiny|s] [FOLDER]
+usage: $(basename "$0") [nano|tiny|s] [FOLDER]
 
   nano   416x416, 3.7 MB (default; about 15 ms an image on one core)
   tiny   416x416, 20 MB
   s      640x640, 36 MB (the paper's)
 
 FOLDER is $default_folder unless given. dkp-slam looks there, in models/ of the current
-folder and in models/ beside the program; --model or DKP_SLAM_MODEL names any other place.
+folder, in models/ beside the program and, installed, in PREFIX/share/dkp-slam/models; --model or
+DKP_SLAM_MODEL names any other place.
 TEXT
 }
 
@@ -25,7 +26,7 @@ case "${1:-nano}" in
   tiny) sum=427cc366d34e27ff7a03e2899b5e3671425c262ea2291f88bb942bc1cc70b0f7 ;;
   s) sum=c5c2d13e59ae883e6af3b45daea64af4833a4951c92d116ec270d9ddbe998063 ;;
   -h|--help) usage; exit 0 ;;
-  *) echo "fetch_model.sh: no model '$1'" >&2; usage >&2; exit 2 ;;
+  *) echo "$(basename "$0"): no model '$1'" >&2; usage >&2; exit 2 ;;
 esac
 name=yolox_${1:-nano}.onnx
 folder=${2:-$default_folder}

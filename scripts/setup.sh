@@ -5,18 +5,21 @@ set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: scripts/setup.sh [--no-apt] [--no-onnxruntime]
+usage: scripts/setup.sh [--checks] [--no-apt] [--no-onnxruntime]
 
+  --checks           also what scripts/check.sh needs: clang-format, clang-tidy, shellcheck
   --no-apt           leave system packages alone (they are there, or another tool manages them)
   --no-onnxruntime   do not fetch ONNX Runtime; YOLOX then runs on OpenCV's dnn, about 4 times slower
 TEXT
 }
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+with_checks=0
 use_apt=1
 use_onnxruntime=1
 for argument in "$@"; do
   case "$argument" in
+    --checks) with_checks=1 ;;
     --no-apt) use_apt=0 ;;
     --no-onnxruntime) use_onnxruntime=0 ;;
     -h|--help) usage; exit 0 ;;
@@ -32,6 +35,7 @@ packages=(
   libceres-dev libcli11-dev libdeflate-dev libeigen3-dev libembree-dev libfmt-dev libgmock-dev libgtest-dev
   libopencv-dev libspdlog-dev libsqlite3-dev libyaml-cpp-dev nlohmann-json3-dev pkg-config
 )
+if [ "$with_checks" -eq 1 ]; then packages+=(clang-format clang-tidy shellcheck); fi
 
 installed() {
   [ "$(dpkg-query -W -f='${db:Status-Abbrev}' "$1" 2>/dev/null | cut -c1-2)" = "ii" ]

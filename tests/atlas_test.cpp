@@ -91,19 +91,16 @@ class Atlas : public ::testing::Test {
     options.dynamics.mode = DynamicsMode::off;
     Slam slam(options);
     Outcome outcome;
-    const OrbExtractor orb(options.orb);
     double time = 0.0;
     int index = 0;
     for (const int i : order) {
       time += i < 0 ? 1.0 : 1.0 / 30.0;
       if (i < 0) continue;
-      PreparedFrame prepared;
-      prepared.frame = turn().frames.at(std::size_t(i));
-      prepared.frame.index = index++;
-      prepared.frame.timestamp = time;
-      cv::cvtColor(prepared.frame.colour, prepared.grey, cv::COLOR_BGR2GRAY);
-      prepared.orb = orb.extract(prepared.grey);
-      outcome.localised.push_back(slam.track(prepared).localised);
+      RgbdFrame frame = turn().frames.at(std::size_t(i));
+      frame.index = index++;
+      frame.timestamp = time;
+      slam.feed(std::move(frame));
+      outcome.localised.push_back(slam.wait()->localised);
       outcome.truth.push_back({time, turn().world_from_camera.at(std::size_t(i))});
     }
     slam.finish();

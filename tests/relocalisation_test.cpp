@@ -14,6 +14,7 @@
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
+#include "dkp_slam/system/playback.h"
 #include "dkp_slam/system/slam.h"
 #include "tests/support/recording.h"
 
@@ -115,14 +116,9 @@ Outcome run(const SplicedSource::Opener& open, const std::vector<Segment>& segme
   Slam slam(options);
   Trajectory spliced;
   Outcome outcome;
-  {
-    FrontEnd front_end(std::make_unique<SplicedSource>(open, segments, truth, &spliced), nullptr,
-                       {options.orb, false});
-    while (const auto frame = front_end.next()) {
-      outcome.localised.push_back(slam.track(*frame).localised);
-    }
-  }
-  slam.finish();
+  SplicedSource source(open, segments, truth, &spliced);
+  play(source, slam, {},
+       [&](const FrameResult& result) { outcome.localised.push_back(result.localised); });
   outcome.loops = slam.loops().size();
   outcome.error = absolute_error(spliced, slam.trajectory()).statistics.rmse;
   return outcome;

@@ -1,5 +1,7 @@
+#include <atomic>
 #include <fstream>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,18 +15,13 @@
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
+#include "dkp_slam/system/playback.h"
 #include "dkp_slam/system/slam.h"
 
 namespace dkp_slam::bench {
 namespace {
 
 namespace fs = std::filesystem;
-
-const std::map<std::string, DynamicsMode> modes{{"off", DynamicsMode::off},
-                                                {"d", DynamicsMode::d},
-                                                {"dk", DynamicsMode::dk},
-                                                {"dkp", DynamicsMode::dkp},
-                                                {"dkp+", DynamicsMode::dkp_plus}};
 
 // The system runs in this program, so this program decides what comes out.
 const char* const this_program = "/proc/self/exe";
@@ -40,22 +37,34 @@ std::unique_ptr<Detector> detector_of(const MeasureOptions& options, const Camer
   return make_detector(detector, camera);
 }
 
-/// Scores one frame; false where there is no true mask for it.
-bool score_frame(MaskScoreTally& tally, const fs::path& masks, const PreparedFrame& prepared,
-                 const FrameDynamics& dynamics) {
-  const fs::path path = masks / fmt::format("{:.6f}.png", prepared.frame.timestamp);
-  const cv::Mat truth = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
-  if (truth.empty()) return false;
-  std::vector<cv::Point2f> positions;
-  std::vector<bool> kept;
-  for (std::size_t i = 0; i < prepared.orb.keypoints.size(); ++i) {
-    positions.push_back(prepared.orb.keypoints[i].pt);
-    // Mode off reports on no feature: it keeps them all.
-    kept.push_back(dynamics.features.empty() || dynamics.features[i].is_static);
+/// Scores the masks and verdicts of frames that there are true masks for.
+class MaskObserver : public SlamObserver {
+ public:
+  explicit MaskObserver(fs::path masks) : masks_(std::move(masks)) {}
+  void on_frame(const std::shared_ptr<const FrameSnapshot>& snapshot) override {
+    const fs::path path = masks_ / fmt::format("{:.6f}.png", snapshot->frame.timestamp);
+    const cv::Mat truth = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+    if (truth.empty()) return;
+    const FrameDynamics& dynamics = snapshot->dynamics;
+    std::vector<cv::Point2f> positions;
+    std::vector<bool> kept;
+    for (std::size_t i = 0; i < snapshot->keypoints.size(); ++i) {
+      positions.push_back(snapshot->keypoints[i].pt);
+      // Mode off reports on no feature: it keeps them all.
+      kept.push_back(dynamics.features.empty() || dynamics.features[i].is_static);
+    }
+    tally_.add(score_mask(truth, dynamics.mask), count_features(truth, positions, kept));
+    ++compared_;
   }
-  tally.add(score_mask(truth, dynamics.mask), count_features(truth, positions, kept));
-  return true;
-}
+  /// Once the run has finished.
+  const MaskScoreTally& tally() const { return tally_; }
+  std::size_t compared() const { return compared_; }
+
+ private:
+  const fs::path masks_;
+  MaskScoreTally tally_;
+  std::size_t compared_ = 0;
+};
 
 nlohmann::ordered_json json_of(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
@@ -88,26 +97,25 @@ std::optional<MaskFigures> measure_masks(const MeasureOptions& options, const Ru
   const fs::path sequence = options.data / key.sequence;
   SlamConfig slam_options;
   slam_options.camera = load_camera((options.config / camera_file(key.sequence)).string());
-  slam_options.dynamics.mode = modes.at(key.mode);
+  slam_options.dynamics.mode = mode_named(key.mode);
   slam_options.seed = key.seed;
   slam_options.final_adjustment = false;  // masks are there before it
-  Slam slam(slam_options);
-  FrontEnd front_end(open_tum_folder(sequence.string(), slam_options.camera),
-                     detector_of(options, slam_options.camera), {slam_options.orb, false});
-  MaskScoreTally tally;
-  std::size_t frames = 0, compared = 0;
-  while (const std::optional<PreparedFrame> prepared = front_end.next()) {
-    if (stop()) return std::nullopt;
-    FrameDynamics dynamics;
-    slam.track(*prepared, &dynamics);
-    compared += score_frame(tally, sequence / "mask", *prepared, dynamics);
+  Slam slam(slam_options, detector_of(options, slam_options.camera));
+  const auto masks = std::make_shared<MaskObserver>(sequence / "mask");
+  slam.add_observer(masks, {Delivery::every});
+  const auto source = open_tum_folder(sequence.string(), slam_options.camera);
+  std::size_t frames = 0;
+  std::atomic<bool> stopped{false};
+  play(*source, slam, {.stop = &stopped}, [&](const FrameResult&) {
     progress(++frames);
-  }
-  slam.finish();
-  if (compared == 0) {
+    if (stop()) stopped = true;
+  });
+  if (stopped) return std::nullopt;
+  if (masks->compared() == 0) {
     throw Error((sequence / "mask").string() +
                 ": no mask is named like a colour image; is it of this sequence?");
   }
+  const MaskScoreTally& tally = masks->tally();
   const MaskFigures figures{key, tally.frames(), tally.mean_iou(), tally.removed_share(),
                             tally.kept_share()};
   fs::create_directories(run_folder(options, key));

@@ -110,7 +110,8 @@ Score run(DynamicsMode mode, double speed, int last, int blind_from) {
     const auto v = world.at(i);
     std::vector<Detection> detections;
     if (i < blind_from) detections.push_back(v.detection);
-    const auto r = module.process(v.frame, v.grey, v.keypoints, detections);
+    const auto r =
+        module.process(v.frame, v.grey, v.keypoints, {v.frame.timestamp, true, detections});
     result = score(v, r);
   }
   return result;
@@ -122,7 +123,8 @@ TEST(DynamicsModule, OffKeepsAllAndDoesNothing) {
   options.mode = DynamicsMode::off;
   DynamicsModule module(test_camera(), options);
   const auto v = world.at(0);
-  const FrameDynamics result = module.process(v.frame, v.grey, v.keypoints, {v.detection});
+  const FrameDynamics result =
+      module.process(v.frame, v.grey, v.keypoints, {v.frame.timestamp, true, {v.detection}});
   EXPECT_TRUE(result.objects.empty());
   EXPECT_TRUE(result.mask.empty());
   ASSERT_EQ(result.features.size(), v.keypoints.size());
@@ -164,8 +166,10 @@ TEST(DynamicsModule, RepeatsExactly) {
   DynamicsModule a(test_camera(), {}), b(test_camera(), {});
   for (int i = 0; i < 4; ++i) {
     const auto v = world.at(i);
-    const auto ra = a.process(v.frame, v.grey, v.keypoints, {v.detection});
-    const auto rb = b.process(v.frame, v.grey, v.keypoints, {v.detection});
+    const auto ra =
+        a.process(v.frame, v.grey, v.keypoints, {v.frame.timestamp, true, {v.detection}});
+    const auto rb =
+        b.process(v.frame, v.grey, v.keypoints, {v.frame.timestamp, true, {v.detection}});
     ASSERT_EQ(cv::countNonZero(ra.mask != rb.mask), 0);
     for (std::size_t k = 0; k < ra.features.size(); ++k) {
       ASSERT_EQ(ra.features[k].is_static, rb.features[k].is_static);
@@ -176,7 +180,9 @@ TEST(DynamicsModule, RepeatsExactly) {
 TEST(DynamicsModule, RefusesImagesOfAnotherSize) {
   DynamicsModule module(test_camera(), {});
   auto v = World(0.75).at(0);
-  EXPECT_THROW(module.process(v.frame, v.grey(cv::Rect(0, 0, 100, 100)), v.keypoints, {}), Error);
+  EXPECT_THROW(module.process(v.frame, v.grey(cv::Rect(0, 0, 100, 100)), v.keypoints,
+                              {v.frame.timestamp, true, {}}),
+               Error);
   Camera broken = test_camera();
   broken.fx = 0.0;
   EXPECT_THROW(DynamicsModule(broken, {}), Error);

@@ -9,12 +9,17 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct OrbOptions {
   int features = 1000;         ///< per image, as ORB-SLAM3's RGB-D settings for the TUM sequences
   int levels = 8;              ///< of the image pyramid
   float scale = 1.2F;          ///< between two levels
   int fast_threshold = 20;     ///< grey levels
   int fast_low_threshold = 7;  ///< where a cell shows no corner at the first
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// ORB features of one image.

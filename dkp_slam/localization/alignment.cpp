@@ -25,9 +25,9 @@ class Aligner {
     }
   }
 
-  std::optional<Alignment> run() {
+  std::optional<Alignment> run(std::uint64_t seed) {
     if (with_depth_.size() < least_with_depth) return std::nullopt;
-    cv::RNG random(options_.seed);
+    cv::RNG random(seed);
     Alignment best;
     double needed = options_.samples;
     for (int i = 0; i < options_.samples && i < needed; ++i) {
@@ -122,8 +122,8 @@ class Aligner {
 
 std::optional<Alignment> align_camera(const Camera& camera, const MeasurementModel& model,
                                       std::span<const PoseObservation> observations,
-                                      const AlignmentOptions& options) {
-  return Aligner(camera, model, observations, options).run();
+                                      const AlignmentOptions& options, std::uint64_t seed) {
+  return Aligner(camera, model, observations, options).run(seed);
 }
 
 }  // namespace dkp_slam

@@ -9,6 +9,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct AlignmentOptions {
   /// Samples at most: enough to meet three good ones out of matches of which four in five are
   /// wrong, with 99.9%. Most wrong samples cost next to nothing: their sides do not fit.
@@ -19,7 +21,9 @@ struct AlignmentOptions {
   double pixel_bound = 10.0;
   double least_side = 0.05;  ///< metres, of the triangle that three points make
   int least_inliers = 10;
-  std::uint64_t seed = 1;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// A rigid motion and the observations that agree with it.
@@ -36,6 +40,6 @@ struct Alignment {
 /// `least_inliers` agree.
 std::optional<Alignment> align_camera(const Camera& camera, const MeasurementModel& model,
                                       std::span<const PoseObservation> observations,
-                                      const AlignmentOptions& options = {});
+                                      const AlignmentOptions& options = {}, std::uint64_t seed = 1);
 
 }  // namespace dkp_slam

@@ -27,9 +27,7 @@ struct AlignCamera : ::testing::Test {
     }
   }
   std::optional<Alignment> align(std::uint64_t seed = 1) const {
-    AlignmentOptions options;
-    options.seed = seed;
-    return align_camera(scene.camera, {}, observations, options);
+    return align_camera(scene.camera, {}, observations, {}, seed);
   }
   double error(const Alignment& a) const {
     return (a.camera_from_world * truth.inverse()).log().norm();

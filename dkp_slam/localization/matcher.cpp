@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "dkp_slam/map/id_map.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -87,24 +89,18 @@ void assign_landmarks(const std::vector<FrameMatch>& matches, Frame& frame) {
 }
 
 void resolve_landmarks(const Map& map, Frame& frame) {
-  std::vector<char> taken(map.landmark_places(), 0);
+  IdSet taken;
   for (int& id : frame.landmark) {
     id = map.resolve(id);
-    if (id < 0) continue;
-    char& mark = taken[map.place_of_landmark(id)];
-    if (mark) id = -1;
-    mark = 1;
+    if (id >= 0 && !taken.insert(id)) id = -1;
   }
 }
 
 bool has_each_landmark_once(const Map& map, const Frame& frame) {
-  std::vector<char> taken(map.landmark_places(), 0);
-  for (const int id : frame.landmark) {
-    if (id < 0) continue;
-    if (!map.has_landmark(id) || taken[map.place_of_landmark(id)]) return false;
-    taken[map.place_of_landmark(id)] = 1;
-  }
-  return true;
+  IdSet taken;
+  return std::all_of(frame.landmark.begin(), frame.landmark.end(), [&](int id) {
+    return id < 0 || (map.has_landmark(id) && taken.insert(id));
+  });
 }
 
 std::vector<FrameMatch> match_last_frame(const Map& map, const Frame& last, const Frame& frame,

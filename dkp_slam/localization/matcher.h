@@ -7,12 +7,17 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 /// Descriptor distances, of 256 bits, as in ORB-SLAM.
 struct MatchOptions {
   int loose = 100;                ///< where geometry already says where to look
   int strict = 50;                ///< where it does not
   float ratio_projection = 0.8F;  ///< best to second best, on the same level
   float ratio_brute_force = 0.75F;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// A feature of the current frame and what it shows.

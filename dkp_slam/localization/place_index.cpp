@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dkp_slam/feature/popcount.h"
+#include "dkp_slam/map/id_map.h"
 
 namespace dkp_slam {
 namespace {
@@ -162,31 +163,39 @@ void PlaceIndex::find(const Map& map, const Descriptor& feature, std::vector<std
 
 std::vector<PlaceCandidate> PlaceIndex::votes(const Map& map,
                                               std::span<const Descriptor> frame) const {
-  const auto keyframes = static_cast<std::size_t>(map.keyframe_ids());
-  std::vector<PlaceCandidate> all(keyframes);
-  std::vector<std::size_t> last_voter(keyframes, frame.size());
+  struct Ballot {
+    std::size_t candidate;   // index into all
+    std::size_t last_voter;  // a feature has one vote
+  };
+  std::vector<PlaceCandidate> all;
+  IdMap<Ballot> ballots;
   std::vector<std::int32_t> near;
-  std::vector<int> landmarks, voted_for;
+  std::vector<int> landmarks;
+  std::vector<std::size_t> voted_for;
   for (std::size_t i = 0; i < frame.size(); ++i) {
     find(map, frame[i], near, landmarks);
     voted_for.clear();
     for (const int l : landmarks) {
       for (const Sighting& s : map.landmark(l).sightings) {
-        std::size_t& voter = last_voter[static_cast<std::size_t>(s.keyframe)];
-        if (voter == i) continue;
-        voter = i;
-        voted_for.push_back(s.keyframe);
+        const auto [ballot, first_vote] = ballots.insert(s.keyframe, {all.size(), i});
+        if (first_vote) {
+          all.push_back({s.keyframe});
+        } else if (ballot.last_voter == i) {
+          continue;
+        }
+        ballot.last_voter = i;
+        voted_for.push_back(ballot.candidate);
       }
     }
     if (voted_for.empty()) continue;
     const double weight = std::log(1.0 + map.live_keyframes() / double(voted_for.size()));
-    for (const int k : voted_for) {
-      ++all[static_cast<std::size_t>(k)].votes;
-      all[static_cast<std::size_t>(k)].score += weight;
+    for (const std::size_t c : voted_for) {
+      ++all[c].votes;
+      all[c].score += weight;
     }
   }
-  for (std::size_t k = 0; k < keyframes; ++k) all[k].keyframe = static_cast<int>(k);
-  std::erase_if(all, [](const PlaceCandidate& c) { return c.votes == 0; });
+  std::sort(all.begin(), all.end(),
+            [](const auto& a, const auto& b) { return a.keyframe < b.keyframe; });
   return all;
 }
 
@@ -199,10 +208,10 @@ std::vector<PlaceCandidate> PlaceIndex::best_groups(const Map& map,
                                                     const std::vector<PlaceCandidate>& all,
                                                     std::size_t most) const {
   int most_votes = 0;
-  std::vector<std::int32_t> of_keyframe(static_cast<std::size_t>(map.keyframe_ids()), none);
+  IdMap<std::size_t> of_keyframe;  // index into all
   for (std::size_t i = 0; i < all.size(); ++i) {
     most_votes = std::max(most_votes, all[i].votes);
-    of_keyframe[static_cast<std::size_t>(all[i].keyframe)] = static_cast<std::int32_t>(i);
+    of_keyframe.insert(all[i].keyframe, i);
   }
   const double bound =
       std::max(double(options_.least_votes), options_.least_vote_share * most_votes);
@@ -212,9 +221,9 @@ std::vector<PlaceCandidate> PlaceIndex::best_groups(const Map& map,
     PlaceCandidate best = c;
     double sum = c.score;
     for (const int n : map.best_covisible(c.keyframe, options_.group)) {
-      const std::int32_t i = of_keyframe[static_cast<std::size_t>(n)];
-      if (i == none) continue;
-      const PlaceCandidate& neighbour = all[static_cast<std::size_t>(i)];
+      const std::size_t* i = of_keyframe.find(n);
+      if (!i) continue;
+      const PlaceCandidate& neighbour = all[*i];
       sum += neighbour.score;
       const bool tie = neighbour.score == best.score && neighbour.keyframe < best.keyframe;
       if (neighbour.score > best.score || tie) best = neighbour;

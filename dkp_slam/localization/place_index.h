@@ -11,6 +11,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct PlaceIndexOptions {
   /// Hash tables, at most 16; each takes another 16 of the 256 bits as its key. A descriptor with
   /// one bit in eight wrong shares a key with its landmark in 8 tables two times out of three;
@@ -37,6 +39,9 @@ struct PlaceIndexOptions {
   double least_group_share = 0.75;
   int group = 10;       ///< keyframes that share most with one, whose scores add up
   int least_votes = 8;  ///< fewer features in common are chance
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Keyframe that may show what a frame shows.

@@ -25,8 +25,7 @@ bool align(const Map& map, const MeasurementModel& model, std::uint64_t seed,
   }
   AlignmentOptions options;
   options.least_inliers = least_aligned;
-  options.seed = seed;
-  const auto alignment = align_camera(map.camera(), model, observations, options);
+  const auto alignment = align_camera(map.camera(), model, observations, options, seed);
   if (!alignment) return false;
   frame.camera_from_world = alignment->camera_from_world;
   std::vector<FrameMatch> kept;

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include "dkp_slam/localization/relocalizer.h"
+#include "dkp_slam/map/map_snapshot.h"
 #include "dkp_slam/mapping/later_keyframes.h"
 
 namespace dkp_slam {
@@ -15,8 +16,9 @@ constexpr std::size_t most_waiting = 4;
 
 }  // namespace
 
-LoopCloser::LoopCloser(const LoopCloserOptions& options, bool realtime)
+LoopCloser::LoopCloser(const LoopCloserOptions& options, std::uint64_t seed, bool realtime)
     : options_(options),
+      seed_(seed),
       realtime_(realtime),
       detector_(options.detector),
       worker_([graph = options.graph](const Problem& problem, const std::atomic<bool>& stop) {
@@ -68,7 +70,7 @@ bool LoopCloser::align(const Map& map, const MeasurementModel& model, int old) {
   const int keyframe = waiting_.front();
   if (map.keyframe(keyframe).removed || map.keyframe(old).removed) return false;
   Frame seen = frame_of(map.keyframe(keyframe));
-  const int matches = localize_by_keyframe(map, model, options_.seed, old, seen);
+  const int matches = localize_by_keyframe(map, model, seed_, old, seen);
   if (matches < options_.least_matches) {
     spdlog::debug("keyframe {}: no loop to keyframe {}, {} matches", keyframe, old, matches);
     return false;

@@ -15,6 +15,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct LoopCloserOptions {
   LoopDetectorOptions detector;
   EssentialGraphOptions edges;
@@ -29,7 +31,9 @@ struct LoopCloserOptions {
   /// What one frame does at most, so that none waits for long (2,000 keyframes: 2 ms at most).
   int gathered_per_frame = 500;  ///< keyframe ids that come into the snapshot
   int effort_per_frame = 1500;   ///< of fusing landmarks, see landmark_fusion.h
-  std::uint64_t seed = 1;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// A loop that was closed, or a place where two maps met.
@@ -51,8 +55,10 @@ struct ClosedLoop {
 /// loop is under way no other is looked for: where the place stays in view it is found after that.
 class LoopCloser {
  public:
-  /// `realtime`: the map is put right as soon as the pose graph is solved.
-  explicit LoopCloser(const LoopCloserOptions& options = {}, bool realtime = false);
+  /// `seed`: of the alignment's RANSAC. `realtime`: the map is put right as soon as the pose graph
+  /// is solved.
+  explicit LoopCloser(const LoopCloserOptions& options = {}, std::uint64_t seed = 1,
+                      bool realtime = false);
 
   /// To be called with each new keyframe in turn, once it is in the map and the index.
   void add_keyframe(int keyframe);
@@ -96,6 +102,7 @@ class LoopCloser {
   };
 
   const LoopCloserOptions options_;
+  const std::uint64_t seed_;
   const bool realtime_;
   LoopDetector detector_;
   Stage stage_ = Stage::looking;

@@ -40,7 +40,7 @@ class RoundTrip {
                      bool realtime = false)
       : RoundTrip() {
     frames_per_step_ = frames_per_step;
-    closer.emplace(options, realtime);
+    closer.emplace(options, 1, realtime);
   }
 
   /// Goes one step and makes it a keyframe; closes a loop if it may and there is one. Returned is

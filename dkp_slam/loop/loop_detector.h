@@ -10,6 +10,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct LoopDetectorOptions {
   /// Keyframes in a row that must have seen the same other place (Mur-Artal et al. 2015, section
   /// VII-A). Each group of candidates is followed on its own.
@@ -19,6 +21,9 @@ struct LoopDetectorOptions {
   /// Features of the keyframe that one frame asks the place index about, so that none waits for
   /// long (2,000 keyframes with 280,000 landmarks: about 1.5 ms).
   std::size_t features_per_frame = 250;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Notices that the camera is back where it was, though the map does not know it: what the newest

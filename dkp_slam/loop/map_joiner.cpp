@@ -18,7 +18,8 @@ struct Meeting {
 
 std::optional<Meeting> find_elsewhere(const Map& map, const PlaceIndex& places,
                                       const MeasurementModel& model,
-                                      const MapJoinerOptions& options, int keyframe) {
+                                      const MapJoinerOptions& options, std::uint64_t seed,
+                                      int keyframe) {
   const int own = map.keyframe(keyframe).map;
   std::vector<PlaceCandidate> votes = places.votes(map, map.keyframe(keyframe).features.descriptor);
   std::erase_if(votes, [&](const PlaceCandidate& c) {
@@ -26,7 +27,7 @@ std::optional<Meeting> find_elsewhere(const Map& map, const PlaceIndex& places,
   });
   for (const PlaceCandidate& c : places.best_groups(map, votes, options.candidates)) {
     Meeting meeting{keyframe, c.keyframe, frame_of(map.keyframe(keyframe)), 0};
-    meeting.matches = localize_by_keyframe(map, model, options.seed, c.keyframe, meeting.seen);
+    meeting.matches = localize_by_keyframe(map, model, seed, c.keyframe, meeting.seen);
     if (meeting.matches >= options.least_matches) return meeting;
   }
   return std::nullopt;
@@ -63,10 +64,10 @@ std::vector<Meeting> largest_agreement(const Map& map, const MapJoinerOptions& o
 /// Joins the map to another one that it meets, if it does.
 std::optional<JoinedMaps> join_one(Map& map, const PlaceIndex& places,
                                    const MeasurementModel& model, const MapJoinerOptions& options,
-                                   int which) {
+                                   std::uint64_t seed, int which) {
   std::vector<Meeting> all;
   for (const int k : map.keyframes_in(which)) {
-    if (auto meeting = find_elsewhere(map, places, model, options, k))
+    if (auto meeting = find_elsewhere(map, places, model, options, seed, k))
       all.push_back(std::move(*meeting));
   }
   const std::vector<Meeting> agreeing = largest_agreement(map, options, all);
@@ -85,12 +86,13 @@ std::optional<JoinedMaps> join_one(Map& map, const PlaceIndex& places,
 }  // namespace
 
 std::vector<JoinedMaps> join_maps(Map& map, const PlaceIndex& places, const MeasurementModel& model,
-                                  const MapJoinerOptions& options) {
+                                  const MapJoinerOptions& options, std::uint64_t seed) {
   std::vector<JoinedMaps> joined;
   // The youngest first: each is gone once joined, and the older ones grow.
   for (int which = map.maps() - 1; which > 0; --which) {
     if (map.live_keyframes_in(which) == 0) continue;
-    if (const auto done = join_one(map, places, model, options, which)) joined.push_back(*done);
+    if (const auto done = join_one(map, places, model, options, seed, which))
+      joined.push_back(*done);
   }
   return joined;
 }

@@ -20,7 +20,6 @@ struct MapJoinerOptions {
   double translation_bound = 0.15;  ///< metres, where the keyframe stands
   double rotation_bound = 0.10;     ///< radians
   int fused_neighbours = 8;
-  std::uint64_t seed = 1;
 };
 
 /// Two maps that were joined.
@@ -31,8 +30,8 @@ struct JoinedMaps {
 
 /// Looks for places that two of the maps show, and joins those maps: all keyframes of one are asked
 /// for in the others. For maps that were made apart; of maps made in one run the loop closer joins
-/// those that meet. Deterministic. Bundle adjustment is left to the caller.
+/// those that meet. Same seed, same result. Bundle adjustment is left to the caller.
 std::vector<JoinedMaps> join_maps(Map& map, const PlaceIndex& places, const MeasurementModel& model,
-                                  const MapJoinerOptions& options = {});
+                                  const MapJoinerOptions& options = {}, std::uint64_t seed = 1);
 
 }  // namespace dkp_slam

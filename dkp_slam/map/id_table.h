@@ -27,8 +27,11 @@ class IdTable {
   T* find(int id) { return const_cast<T*>(std::as_const(*this).find(id)); }
 
   /// Only where there is one.
-  const T& operator[](int id) const { return pages_[place_of(id) / page_size].values[at(id)]; }
-  T& operator[](int id) { return pages_[place_of(id) / page_size].values[at(id)]; }
+  const T& operator[](int id) const {
+    assert(find(id));
+    return pages_[static_cast<std::size_t>(page_of(id))].values[at(id)];
+  }
+  T& operator[](int id) { return const_cast<T&>(std::as_const(*this)[id]); }
 
   /// Enters a value or replaces it.
   T& set(int id, T value) {
@@ -82,16 +85,6 @@ class IdTable {
     }
     return -1;
   }
-
-  /// A number for each id that has a value, no two alike and all below `places()`: to keep
-  /// something per value in a plain array while none comes or goes.
-  std::size_t place_of(int id) const {
-    assert(find(id));
-    return static_cast<std::size_t>(directory_[static_cast<std::size_t>(id) / page_size]) *
-               page_size +
-           at(id);
-  }
-  std::size_t places() const { return pages_.size() * page_size; }
 
   /// Bytes on the heap, without what the values hold there themselves.
   std::size_t memory() const {

@@ -8,6 +8,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 /// That a keyframe's feature shows a landmark.
 struct Sighting {
   int keyframe = -1;
@@ -49,6 +51,9 @@ struct LandmarkBelief {
   float lowest = -2.5F, highest = 3.0F;  ///< bounds, so that a change of mind stays possible
   float dynamic_above = 1.5F;   ///< a landmark is dropped above it: at least two bad frames
   float trusted_below = -0.5F;  ///< and withstands a frame's verdict below it: two good frames
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 }  // namespace dkp_slam

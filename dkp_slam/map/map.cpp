@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "dkp_slam/map/id_map.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -277,15 +279,11 @@ std::vector<int> Map::best_covisible(int keyframe_id, int count) const {
 
 std::vector<int> Map::landmarks_of(const std::vector<int>& keyframes) const {
   // Keyframes of one place share most of them: far fewer are left to sort than are met.
-  std::vector<char> met(landmark_places(), 0);
+  IdSet met;
   std::vector<int> ids;
   for (const int k : keyframes) {
     for (const int l : keyframe(k).landmarks) {
-      if (l < 0) continue;
-      char& mark = met[place_of_landmark(l)];
-      if (mark) continue;
-      mark = 1;
-      ids.push_back(l);
+      if (l >= 0 && met.insert(l)) ids.push_back(l);
     }
   }
   std::sort(ids.begin(), ids.end());

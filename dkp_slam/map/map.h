@@ -98,9 +98,6 @@ class Map {
 
   /// The landmarks that these keyframes see, each once, in the order of their ids.
   std::vector<int> landmarks_of(const std::vector<int>& keyframes) const;
-  /// For marks on landmarks in a plain array: see IdTable::place_of.
-  std::size_t place_of_landmark(int id) const { return landmarks_.place_of(id); }
-  std::size_t landmark_places() const { return landmarks_.places(); }
 
   /// Most typical descriptor, mean direction and distance range, from the present sightings.
   void refresh(int landmark);

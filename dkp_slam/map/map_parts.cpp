@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "dkp_slam/map/map.h"
-
 namespace dkp_slam {
 namespace {
 
@@ -102,18 +100,6 @@ std::optional<std::string> problem_of(const Landmark& l, const MapParts& parts) 
   return std::nullopt;
 }
 
-/// A landmark without what follows from the keyframes.
-Landmark stripped(const Landmark& l) {
-  Landmark out;
-  out.id = l.id;
-  out.position = l.position;
-  out.first_keyframe = l.first_keyframe;
-  out.visible = l.visible;
-  out.found = l.found;
-  out.dynamic_log_odds = l.dynamic_log_odds;
-  return out;
-}
-
 }  // namespace
 
 bool is_pixel(const cv::Point2f& point) {
@@ -150,47 +136,6 @@ std::optional<std::string> MapParts::check() const {
       return fmt::format("landmark {}: no keyframe sees it", l.id);
   }
   return std::nullopt;
-}
-
-std::vector<int> live_ancestors(const Map& map) {
-  constexpr int unknown = -2;
-  const auto at = [](int id) { return static_cast<std::size_t>(id); };
-  std::vector<int> ancestor(at(map.keyframe_ids()), unknown);
-  std::vector<int> path;
-  for (int k = 0; k < map.keyframe_ids(); ++k) {
-    int found = k;
-    path.clear();
-    while (found >= 0 && map.keyframe(found).removed && ancestor[at(found)] == unknown) {
-      path.push_back(found);
-      found = map.keyframe(found).parent;
-    }
-    if (found >= 0 && map.keyframe(found).removed) found = ancestor[at(found)];
-    for (const int p : path) ancestor[at(p)] = found;
-    if (!map.keyframe(k).removed) ancestor[at(k)] = k;
-  }
-  return ancestor;
-}
-
-MapParts parts_of(const Map& map) {
-  MapParts parts;
-  parts.camera = map.camera();
-  parts.level_scale = map.level_scale();
-  parts.levels = map.levels();
-  parts.keyframe_ids = map.keyframe_ids();
-  parts.landmark_ids = map.landmark_ids();
-  parts.maps = map.maps();
-  parts.current_map = map.current_map();
-  const std::vector<int> ancestor = live_ancestors(map);
-  for (int id = 0; id < map.keyframe_ids(); ++id) {
-    const Keyframe& k = map.keyframe(id);
-    if (k.removed) continue;
-    parts.keyframes.push_back(k);
-    parts.keyframes.back().covisible.clear();
-    parts.keyframes.back().parent =
-        k.parent < 0 ? -1 : ancestor[static_cast<std::size_t>(k.parent)];
-  }
-  for (const int id : map.landmarks()) parts.landmarks.push_back(stripped(map.landmark(id)));
-  return parts;
 }
 
 MapParts merged(MapParts a, MapParts b) {

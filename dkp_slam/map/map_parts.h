@@ -10,8 +10,6 @@
 
 namespace dkp_slam {
 
-class Map;
-
 /// What a map is made of, as plain values: all that cannot be computed from the rest.
 struct MapParts {
   Camera camera;
@@ -37,10 +35,6 @@ struct MapParts {
 /// False for what no feature's place can be, NaN among it.
 bool is_pixel(const cv::Point2f& point);
 
-/// The parts of a map; `Map(parts_of(map))` is the same map with everything that was computed
-/// computed anew.
-MapParts parts_of(const Map& map);
-
 /// Both side by side, as maps of their own. What belongs to `b` gets other ids: keyframes,
 /// landmarks and maps are counted on from those of `a`. Cameras must be alike (see difference_of).
 /// New keyframes go to where they went in `b`.
@@ -50,9 +44,5 @@ MapParts merged(MapParts a, MapParts b);
 /// with both values; nothing when they are alike. What only concerns the reading of images is left
 /// out.
 std::optional<std::string> difference_of(const Camera& a, const Camera& b);
-
-/// Per keyframe id: the keyframe itself, or its nearest ancestor in the map where it has been
-/// removed; -1 for none.
-std::vector<int> live_ancestors(const Map& map);
 
 }  // namespace dkp_slam

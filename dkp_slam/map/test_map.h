@@ -6,8 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "dkp_slam/map/map.h"
-#include "dkp_slam/map/map_parts.h"
+#include "dkp_slam/map/map_snapshot.h"
 
 namespace dkp_slam::testing {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "dkp_slam/map/map.h"
-#include "dkp_slam/map_file/map_changes.h"
+#include "dkp_slam/map/map_changes.h"
 
 namespace dkp_slam {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "dkp_slam/map/map_changes.h"
 #include "dkp_slam/map/map_parts.h"
-#include "dkp_slam/map_file/map_changes.h"
 #include "dkp_slam/map_file/sqlite.h"
 
 namespace dkp_slam {

@@ -1,8 +1,6 @@
 #include "dkp_slam/map_file/map_writer.h"
 
-#include <chrono>
 #include <string>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +14,6 @@ namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace std::chrono_literals;
 using testing::difference;
 using testing::GrowingMap;
 using ::testing::HasSubstr;
@@ -28,24 +25,20 @@ class Writing : public testing::FolderTest {
     file_ = folder_ / "room.map";
   }
 
-  static void wait_until_due(const MapWriter& writer) {
-    while (!writer.due()) std::this_thread::sleep_for(1ms);
-  }
-
   fs::path file_;
 };
 
 TEST_F(Writing, ManyUpdatesAreOneSave) {
   GrowingMap grown;
   {
-    MapWriter writer(file_, grown.map, {0ms});
+    MapWriter writer(file_, grown.map);
     EXPECT_TRUE(fs::exists(file_));
     for (int i = 0; i < 80; ++i) {
       grown.step();
-      if (i % 3 == 0) wait_until_due(writer);
-      writer.update(grown.map);
+      if (i % 3 == 0) writer.update(grown.map);
     }
-    writer.finish(grown.map);
+    writer.update(grown.map);
+    writer.finish();
     EXPECT_FALSE(fs::exists(file_.string() + "-wal"));
   }
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
@@ -78,7 +71,7 @@ TEST_F(Writing, GoesOnWhereItStopped) {
     }
     grown.grow_to(12 * session);
     writer->update(grown.map);
-    if (session % 2 == 0) writer->finish(grown.map);
+    if (session % 2 == 0) writer->finish();
     writer.reset();  // without an end it keeps what it was given
     EXPECT_EQ(difference(grown.map, read_map(file_).map), "") << session;
   }
@@ -91,7 +84,7 @@ TEST_F(Writing, NothingNewWritesNothing) {
   StoredMap stored = read_map(file_);
   MapWriter writer(file_, stored.state);
   writer.update(stored.map);
-  writer.finish(stored.map);
+  writer.finish();
   EXPECT_EQ(read_map(file_).state.revision, stored.state.revision);
 }
 
@@ -151,7 +144,8 @@ TEST_F(Writing, TheFileMustBeTheOneThatWasRead) {
   {
     MapWriter other(file_, stored.state);
     grown.step();
-    other.finish(grown.map);
+    other.update(grown.map);
+    other.finish();
   }
   try {
     MapWriter writer(file_, stored.state);
@@ -169,7 +163,8 @@ TEST_F(Writing, ALinkIsFollowed) {
   {
     MapWriter writer(file_, read_map(file_).state);
     grown.step();
-    writer.finish(grown.map);
+    writer.update(grown.map);
+    writer.finish();
   }
   EXPECT_TRUE(fs::is_symlink(file_));
   EXPECT_EQ(difference(grown.map, read_map(file_).map), "");

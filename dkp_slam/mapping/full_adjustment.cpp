@@ -10,10 +10,11 @@
 namespace dkp_slam {
 
 FullAdjustment::FullAdjustment(const Camera& camera, const MeasurementModel& model,
-                               const FullAdjustmentOptions& options)
+                               const FullAdjustmentOptions& options, bool realtime)
     : camera_(camera),
       model_(model),
       options_(options),
+      realtime_(realtime),
       worker_([this](FullBundle bundle, const std::atomic<bool>& stop) {
         return solve(std::move(bundle), stop);
       }) {}
@@ -38,7 +39,7 @@ void FullAdjustment::advance(Map& map, int frame_index) {
 }
 
 bool FullAdjustment::due(int frame_index) const {
-  return worker_.pending() && (options_.realtime ? worker_.finished() : frame_index >= due_frame_);
+  return worker_.pending() && (realtime_ ? worker_.finished() : frame_index >= due_frame_);
 }
 
 FullAdjustment::Solution FullAdjustment::solve(FullBundle bundle,

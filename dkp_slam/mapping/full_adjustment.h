@@ -11,27 +11,31 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct FullAdjustmentOptions {
   int iterations = 20;
   /// Frames from the snapshot until it is carried back: this many and one more per keyframe. A
   /// fixed number makes the result independent of how fast the machine is: who arrives early waits.
   int delay = 30;
-  /// Carry it back as soon as it is done instead, and never wait.
-  bool realtime = false;
   /// Of a larger map only the part about the loop is adjusted, and the rest left to the pose graph:
   /// the solver would take more than a gigabyte, and be out of date before it was done.
   std::size_t most_sightings = 400000;
   /// What one frame does at most, so that none waits for long (2,000 keyframes: about 1 ms each).
   std::size_t sightings_per_frame = 5000;  ///< that come into the snapshot
   std::size_t outliers_per_frame = 100;    ///< that leave the map
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Bundle adjustment of a whole map in the background, after a loop was closed or maps were joined,
 /// while tracking goes on. Called by the thread that the map belongs to.
 class FullAdjustment {
  public:
+  /// `realtime`: a result is carried back as soon as it is there, and never waited for.
   FullAdjustment(const Camera& camera, const MeasurementModel& model,
-                 const FullAdjustmentOptions& options);
+                 const FullAdjustmentOptions& options, bool realtime = false);
 
   /// Starts on the map of a keyframe, about which it is adjusted first of all; one under way is
   /// stopped, since it knows nothing of what has changed.
@@ -68,6 +72,7 @@ class FullAdjustment {
   const Camera camera_;
   const MeasurementModel model_;
   const FullAdjustmentOptions options_;
+  const bool realtime_;
   std::optional<FullBundle> snapshot_;  // while it is being taken
   int due_frame_ = 0;
   std::deque<Outlier> outliers_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "dkp_slam/localization/pose_refinement.h"
+#include "dkp_slam/map/id_map.h"
 
 namespace dkp_slam {
 namespace {
@@ -28,9 +29,9 @@ BundleProblem snapshot(const Map& map, const MeasurementModel& model,
                        const std::vector<int>& moving, const std::vector<int>& fixed,
                        const std::vector<int>& landmarks) {
   BundleProblem problem;
-  std::vector<int> index(static_cast<std::size_t>(map.keyframe_ids()), -1);
+  IdMap<int> index;  // into the poses
   const auto add_pose = [&](int k, bool stays) {
-    index[static_cast<std::size_t>(k)] = static_cast<int>(problem.poses.size());
+    index.insert(k, static_cast<int>(problem.poses.size()));
     problem.poses.push_back({k, map.keyframe(k).camera_from_world, stays});
   };
   for (const int k : moving) add_pose(k, false);
@@ -39,10 +40,10 @@ BundleProblem snapshot(const Map& map, const MeasurementModel& model,
     const Landmark& landmark = map.landmark(l);
     problem.points.push_back({l, landmark.position});
     for (const Sighting& s : landmark.sightings) {
-      const int pose = index[static_cast<std::size_t>(s.keyframe)];
-      if (pose < 0) continue;
+      const int* pose = index.find(s.keyframe);
+      if (!pose) continue;
       problem.sightings.push_back(
-          {pose, static_cast<int>(problem.points.size()) - 1,
+          {*pose, static_cast<int>(problem.points.size()) - 1,
            observation_of(map.keyframe(s.keyframe).features, s.feature, map, model)});
     }
   }

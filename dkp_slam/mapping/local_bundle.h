@@ -5,9 +5,14 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct LocalBundleOptions {
   int window = 16;   ///< keyframes that move: the newest and those that share most with it
   int anchors = 24;  ///< keyframes that stay: the others that see most of the same landmarks
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Snapshot of the map about a keyframe: it and its neighbours move, all else that sees their

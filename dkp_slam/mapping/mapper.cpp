@@ -8,22 +8,15 @@
 #include "dkp_slam/mapping/landmark_fusion.h"
 
 namespace dkp_slam {
-namespace {
-
-FullAdjustmentOptions with_realtime(FullAdjustmentOptions options, bool realtime) {
-  options.realtime = realtime;
-  return options;
-}
-
-}  // namespace
 
 Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
-               const MapperOptions& options)
+               const MapperOptions& options, bool realtime)
     : map_(map),
       places_(places),
       model_(model),
       options_(options),
-      full_adjustment_(map.camera(), model, with_realtime(options.full, options.realtime)),
+      realtime_(realtime),
+      full_adjustment_(map.camera(), model, options.full, realtime),
       worker_([camera = map.camera(), model, bundle = options.bundle](
                   BundleProblem problem, const std::atomic<bool>& stop) {
         BundleSolution solution = adjust_bundle(camera, model, problem, bundle, &stop);
@@ -124,13 +117,13 @@ void Mapper::advance(int frame_index) {
   full_adjustment_.advance(map_, frame_index);
   const bool full_is_due = full_adjustment_.due(frame_index);
   if (worker_.pending() &&
-      (options_.realtime ? worker_.finished() : full_is_due || frame_index >= due_frame_))
+      (realtime_ ? worker_.finished() : full_is_due || frame_index >= due_frame_))
     carry_back();
   if (full_is_due && !worker_.pending()) full_adjustment_.carry_back(map_);
 }
 
 bool Mapper::make_way_for_move() {
-  if (worker_.pending() && options_.realtime && !worker_.finished()) return false;
+  if (worker_.pending() && realtime_ && !worker_.finished()) return false;
   wait();
   full_adjustment_.stop();
   return true;

@@ -12,6 +12,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct MapperOptions {
   /// Share of a keyframe's landmarks that three others must see as well for it to go.
   double redundant_share = 0.9;
@@ -20,16 +22,20 @@ struct MapperOptions {
   /// Frames from a keyframe until its bundle adjustment is carried back into the map. A fixed
   /// number makes the result independent of how fast the machine is: who arrives early waits.
   int bundle_delay = 6;
-  /// Carry a bundle adjustment back as soon as it is done instead, and never wait (--realtime).
-  bool realtime = false;
-  FullAdjustmentOptions full;  ///< `realtime` as above
+  FullAdjustmentOptions full;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Grows the map: keyframes, landmarks, fusion, culling, and bundle adjustment, local and of the
 /// whole, each in its own thread. Called by the tracking thread alone.
 class Mapper {
  public:
-  Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model, const MapperOptions& options);
+  /// `realtime`: bundle adjustments are carried back as soon as they are done, and never waited
+  /// for.
+  Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model, const MapperOptions& options,
+         bool realtime = false);
 
   /// Makes the frame a keyframe and returns its id; the frame gets the new landmarks' ids and its
   /// reference keyframe.
@@ -72,6 +78,7 @@ class Mapper {
   PlaceIndex& places_;
   const MeasurementModel model_;
   const MapperOptions options_;
+  const bool realtime_;
   FullAdjustment full_adjustment_;
   Worker<BundleProblem, Adjusted> worker_;
   int due_frame_ = 0;

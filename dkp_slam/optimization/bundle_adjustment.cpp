@@ -5,13 +5,12 @@
 
 #include <ceres/ceres.h>
 
+#include "dkp_slam/optimization/nearest_depth.h"
 #include "dkp_slam/optimization/pose_block.h"
 #include "dkp_slam/optimization/stop_when_asked.h"
 
 namespace dkp_slam {
 namespace {
-
-constexpr double behind = 0.05;  // metres
 
 using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>>;
 using PointJacobian = Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>;
@@ -40,7 +39,7 @@ class PixelCost final : public ceres::SizedCostFunction<2, 7, 3> {
     const Eigen::Quaterniond rotation(x[0]);
     const Eigen::Vector3d p =
         rotation * Eigen::Vector3d(x[1]) + Eigen::Vector3d(x[0][4], x[0][5], x[0][6]);
-    const double z = std::max(p.z(), behind), s = 1.0 / seen_.pixel_sigma;
+    const double z = std::max(p.z(), nearest_depth), s = 1.0 / seen_.pixel_sigma;
     residuals[0] = s * (camera_.fx * p.x() / z + camera_.cx - seen_.pixel.x());
     residuals[1] = s * (camera_.fy * p.y() / z + camera_.cy - seen_.pixel.y());
     if (!jacobians) return true;
@@ -163,9 +162,9 @@ void mark_outliers(const Camera& camera, const MeasurementModel& model,
     const auto& s = problem.sightings[i];
     const Eigen::Vector3d p = solution.poses[static_cast<std::size_t>(s.pose)].camera_from_world *
                               solution.points[static_cast<std::size_t>(s.point)].position;
-    const double chi2 = p.z() < behind ? INFINITY
-                                       : (camera.project(p) - s.seen.pixel).squaredNorm() /
-                                             (s.seen.pixel_sigma * s.seen.pixel_sigma);
+    const double chi2 = p.z() < nearest_depth ? INFINITY
+                                              : (camera.project(p) - s.seen.pixel).squaredNorm() /
+                                                    (s.seen.pixel_sigma * s.seen.pixel_sigma);
     solution.outlier[i] = chi2 > model.pixel_chi2;
   }
 }

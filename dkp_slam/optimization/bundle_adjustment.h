@@ -8,6 +8,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 /// A bundle adjustment as plain values: a snapshot of a part of the map, which another thread can
 /// solve while the map goes on changing.
 struct BundleProblem {
@@ -34,6 +36,9 @@ struct BundleOptions {
   int iterations = 10;
   /// Sightings beyond the chi-square bound after half of the iterations are left out of the rest.
   bool drop_outliers = true;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 struct BundleSolution {

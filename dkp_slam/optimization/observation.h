@@ -8,6 +8,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 /// What a keyframe or frame measured of one landmark.
 struct Observation {
   Eigen::Vector2d pixel;     ///< undistorted
@@ -31,6 +33,9 @@ struct MeasurementModel {
   double depth_sigma(const Camera& camera, double depth) const {
     return depth_sigma_factor * camera.depth_noise.sigma(depth);
   }
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 }  // namespace dkp_slam

@@ -7,6 +7,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 /// Poses and what is known of pairs of them.
 struct PoseGraph {
   struct Node {
@@ -28,6 +30,9 @@ struct PoseGraphOptions {
   /// a degree are what two keyframes that share landmarks know of one another.
   double translation_sigma = 0.01;  ///< metres
   double rotation_sigma = 0.01;     ///< radians
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// The poses that agree best with the edges, in least squares on SE(3) (Ceres, on one thread, so

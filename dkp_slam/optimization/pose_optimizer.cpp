@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "dkp_slam/optimization/nearest_depth.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -12,7 +14,6 @@ using Row6d = Eigen::Matrix<double, 1, 6>;
 
 constexpr int rounds = 4;                // as ORB-SLAM
 constexpr int iterations_per_round = 6;  // Gauss-Newton converges in two or three
-constexpr double behind = 0.05;          // metres; nearer points make no usable projection
 
 /// Huber's weight of a squared, normalised residual.
 double huber(double chi2, double bound) { return chi2 <= bound ? 1.0 : std::sqrt(bound / chi2); }
@@ -35,7 +36,7 @@ class Problem {
   /// Squared pixel residual over its variance; infinite behind the camera.
   double pixel_chi2(const Se3& pose, const PoseObservation& o) const {
     const Eigen::Vector3d p = pose * o.landmark;
-    if (p.z() < behind) return std::numeric_limits<double>::infinity();
+    if (p.z() < nearest_depth) return std::numeric_limits<double>::infinity();
     return (camera_.project(p) - o.seen.pixel).squaredNorm() /
            (o.seen.pixel_sigma * o.seen.pixel_sigma);
   }
@@ -43,7 +44,7 @@ class Problem {
   void accumulate(const Se3& pose, const PoseObservation& o, bool robust,
                   NormalEquations& sum) const {
     const Eigen::Vector3d p = pose * o.landmark;
-    if (p.z() < behind) return;
+    if (p.z() < nearest_depth) return;
     // Derivative of the camera point by a left perturbation of the pose: [I, -p x].
     const double iz = 1.0 / p.z(), fx = camera_.fx * iz, fy = camera_.fy * iz;
     const double x = p.x() * iz, y = p.y() * iz;

@@ -9,15 +9,14 @@
 #include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/sensor/png_format.h"
+
 namespace dkp_slam {
 namespace {
 
 using std::uint8_t;
 
-constexpr std::uint8_t signature[8] = {0x89, 'P', 'N', 'G', 0x0D, 0x0A, 0x1A, 0x0A};
 constexpr std::size_t chunk_overhead = 12;  // length, name, sum
-constexpr int colour_grey = 0;
-constexpr int colour_rgb = 2;
 // Pixels are loaded and stored four bytes at a time, whatever their size.
 constexpr std::size_t row_padding = 4;
 // Refuses to reserve gigabytes for a damaged header.
@@ -178,7 +177,7 @@ PngDecoder::Status PngDecoder::read_chunks(std::span<const uint8_t> file, Header
     return Status::broken;
   };
   bool has_header = false;
-  for (std::size_t at = sizeof(signature); at + chunk_overhead <= file.size();) {
+  for (std::size_t at = sizeof(png::signature); at + chunk_overhead <= file.size();) {
     const uint8_t* chunk = file.data() + at;
     const std::size_t length = big_endian(chunk);
     if (length > file.size() - at - chunk_overhead) break;
@@ -211,16 +210,17 @@ PngDecoder::Status PngDecoder::read_chunks(std::span<const uint8_t> file, Header
 
 PngDecoder::Status PngDecoder::decode(std::span<const uint8_t> file, cv::Mat* image,
                                       std::string* problem) {
-  if (file.size() < sizeof(signature) ||
-      std::memcmp(file.data(), signature, sizeof(signature)) != 0) {
+  if (file.size() < sizeof(png::signature) ||
+      std::memcmp(file.data(), png::signature, sizeof(png::signature)) != 0) {
     return Status::unsupported;
   }
   Header header;
   if (const Status status = read_chunks(file, &header, problem); status != Status::ok) {
     return status;
   }
-  const bool grey = header.colour_type == colour_grey && (header.bits == 8 || header.bits == 16);
-  const bool rgb = header.colour_type == colour_rgb && header.bits == 8;
+  const bool grey =
+      header.colour_type == png::colour_grey && (header.bits == 8 || header.bits == 16);
+  const bool rgb = header.colour_type == png::colour_rgb && header.bits == 8;
   if (header.interlaced || (!grey && !rgb)) return Status::unsupported;
 
   const int pixel_bytes = rgb ? 3 : header.bits / 8;

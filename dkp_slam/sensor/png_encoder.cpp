@@ -9,14 +9,14 @@
 #include <libdeflate.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/sensor/png_format.h"
 
 namespace dkp_slam {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::uint8_t signature[8] = {0x89, 'P', 'N', 'G', 0x0D, 0x0A, 0x1A, 0x0A};
-constexpr std::uint8_t colour_grey = 0, colour_rgb = 2, filter_up = 2;
+constexpr std::uint8_t filter_up = 2;
 constexpr int level = 1;  // libdeflate's fastest; noise would hardly get smaller with more
 constexpr std::size_t chunk_head = 8, chunk_sum = 4;
 
@@ -78,15 +78,15 @@ Bytes encode_png(const cv::Mat& image) {
   const Bytes rows = filtered(image);
   const std::size_t most = libdeflate_zlib_compress_bound(deflater.get(), rows.size());
   constexpr std::size_t header_size = 13;
-  constexpr std::size_t data_at = sizeof(signature) + chunk_head + header_size + chunk_sum;
+  constexpr std::size_t data_at = sizeof(png::signature) + chunk_head + header_size + chunk_sum;
   Bytes file(data_at + 2 * (chunk_head + chunk_sum) + most);
-  std::memcpy(file.data(), signature, sizeof(signature));
-  std::uint8_t* header = file.data() + sizeof(signature) + chunk_head;
+  std::memcpy(file.data(), png::signature, sizeof(png::signature));
+  std::uint8_t* header = file.data() + sizeof(png::signature) + chunk_head;
   put_big_endian(static_cast<std::uint32_t>(image.cols), header);
   put_big_endian(static_cast<std::uint32_t>(image.rows), header + 4);
   header[8] = type == CV_16UC1 ? 16 : 8;  // bits; the rest: no choices, not interlaced
-  header[9] = type == CV_8UC3 ? colour_rgb : colour_grey;
-  finish_chunk("IHDR", header_size, file.data() + sizeof(signature));
+  header[9] = type == CV_8UC3 ? png::colour_rgb : png::colour_grey;
+  finish_chunk("IHDR", header_size, file.data() + sizeof(png::signature));
   const std::size_t packed = libdeflate_zlib_compress(deflater.get(), rows.data(), rows.size(),
                                                       file.data() + data_at + chunk_head, most);
   finish_chunk("IDAT", packed, file.data() + data_at);

@@ -11,8 +11,9 @@ struct RgbdFrame {
   /// Seconds from the colour image to the depth image; negative when depth was taken first. The
   /// TUM recordings' cameras run freely, up to 20 ms apart.
   double depth_delay = 0.0;
-  cv::Mat colour;  ///< CV_8UC3, BGR, as the lens gives it (distorted)
-  cv::Mat depth;   ///< CV_32FC1, metres, 0 where unknown; same size as colour
+  double decode_ms = 0.0;  ///< that reading and decoding took, where somebody measured it
+  cv::Mat colour;          ///< CV_8UC3, BGR, as the lens gives it (distorted)
+  cv::Mat depth;           ///< CV_32FC1, metres, 0 where unknown; same size as colour
 };
 
 }  // namespace dkp_slam

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "dkp_slam/synth/scenario.h"
+#include "dkp_slam/synth/scenario_parts.h"
 
 namespace dkp_slam {
 

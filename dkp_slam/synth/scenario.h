@@ -2,25 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "dkp_slam/synth/mesh/actor.h"
-#include "dkp_slam/synth/path/motion.h"
-#include "dkp_slam/synth/render/renderer.h"
-#include "dkp_slam/synth/room/furniture.h"
+#include "dkp_slam/synth/scenario_parts.h"
 
 namespace dkp_slam {
-
-/// What there is, what happens, and how the camera moves in a synthetic sequence.
-struct Scenario {
-  Place place;
-  std::vector<std::shared_ptr<const Actor>> actors;  ///< all that moves at any time
-  LampBrightness brightness;                         ///< null: the lamps stay on
-  CameraPath camera;
-  bool drops_frames = false;
-};
 
 /// Every scenario's name and what happens in it, in the order in which they are to be shown:
 /// twins of the six sequences of the TUM benchmark that the paper is measured on (walking_xyz,

@@ -5,14 +5,14 @@
 namespace dkp_slam {
 
 BackEnd::BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
-                 const BackEndOptions& options)
+                 const BackEndOptions& options, bool realtime, std::uint64_t seed)
     : map_(map),
       places_(places),
       model_(model),
       close_loops_(options.close_loops),
       followed_per_frame_(options.followed_per_frame),
-      loop_closer_(options.loops, options.mapper.realtime),
-      mapper_(map, places, model, options.mapper) {}
+      loop_closer_(options.loops, seed, realtime),
+      mapper_(map, places, model, options.mapper, realtime) {}
 
 void BackEnd::advance(int frame_index) {
   frame_index_ = frame_index;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "dkp_slam/localization/frame.h"
@@ -26,8 +27,9 @@ struct BackEndOptions {
 /// tracking thread alone.
 class BackEnd {
  public:
+  /// `realtime`: bundle adjustments are never waited for. `seed`: of everything random.
   BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
-          const BackEndOptions& options);
+          const BackEndOptions& options, bool realtime = false, std::uint64_t seed = 1);
 
   /// To be called once per frame, before it is tracked: carries back what is due, and does a
   /// bounded part of what else is under way.

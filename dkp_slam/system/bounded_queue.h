@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -51,10 +50,16 @@ class BoundedQueue {
     return take();
   }
 
-  /// Sleeps until the moment given; false as soon as the queue is closed.
-  bool wait_open_until(std::chrono::steady_clock::time_point moment) {
-    std::unique_lock lock(mutex_);
-    return !changed_.wait_until(lock, moment, [&] { return closed_; });
+  /// Drops what is in it.
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    items_.clear();
+    changed_.notify_all();
+  }
+
+  bool closed() const {
+    const std::lock_guard lock(mutex_);
+    return closed_;
   }
 
   void close() {
@@ -73,7 +78,7 @@ class BoundedQueue {
   }
 
   const std::size_t capacity_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<T> items_;
   bool closed_ = false;

@@ -1,133 +1,287 @@
 #include "dkp_slam/system/slam.h"
 
-#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "dkp_slam/error.h"
 #include "dkp_slam/stopwatch.h"
+#include "dkp_slam/system/engine.h"
+#include "dkp_slam/system/frame_pipeline.h"
+#include "dkp_slam/system/observer_inbox.h"
 
 namespace dkp_slam {
 namespace {
 
-DynamicsOptions dynamics_options(const SlamConfig& all) {
-  DynamicsOptions options = all.dynamics;
-  options.seed = all.seed;
-  return options;
+constexpr std::size_t kept_results = 18000;  // ten minutes at 30 Hz, 5 MB
+
+std::string size_text(const cv::Mat& image) {
+  return fmt::format("{} x {}", image.cols, image.rows);
 }
 
-BackEndOptions back_end_options(const SlamConfig& all) {
-  BackEndOptions options = all.back_end;
-  options.mapper.realtime = all.realtime;
-  options.loops.seed = all.seed;
-  return options;
+/// What is wrong with a frame; empty when nothing is.
+std::string problem_of(const RgbdFrame& frame, const Camera& camera,
+                       const std::optional<double>& last_timestamp) {
+  const cv::Mat& colour = frame.colour;
+  const cv::Mat& depth = frame.depth;
+  if (colour.type() != CV_8UC3) return "its colour image is not of 3 channels of 8 bits (BGR)";
+  if (depth.type() != CV_32FC1) return "its depth image is not of 32-bit floats (metres)";
+  if (colour.cols != camera.width || colour.rows != camera.height) {
+    return fmt::format("its colour image is {} pixels, the camera {} x {}", size_text(colour),
+                       camera.width, camera.height);
+  }
+  if (depth.size() != colour.size()) {
+    return fmt::format(
+        "its depth image is {} pixels, its colour image {}; register depth to colour",
+        size_text(depth), size_text(colour));
+  }
+  if (!std::isfinite(frame.timestamp)) return "its time stamp is no number";
+  if (last_timestamp && frame.timestamp <= *last_timestamp) {
+    return fmt::format("its time stamp {:.6f} is not after the last frame's {:.6f}",
+                       frame.timestamp, *last_timestamp);
+  }
+  return "";
 }
 
-TrackerOptions tracker_options(const SlamConfig& all) {
-  TrackerOptions options = all.tracker;
-  options.seed = all.seed;
-  options.localize_only = all.localize_only;
-  return options;
+/// Pixels that belong to somebody else may be gone when a thread comes to them.
+void own_pixels(cv::Mat& image) {
+  if (!image.u) image = image.clone();
 }
 
 }  // namespace
 
-Slam::Slam(const SlamConfig& options, std::optional<Map> stored)
-    : options_(options),
-      map_(stored ? std::move(*stored)
-                  : Map(options.camera, options.orb.scale, options.orb.levels)),
-      first_keyframe_(map_.keyframe_ids()),
-      back_end_(map_, places_, options.measurement, back_end_options(options)),
-      tracker_(map_, places_, options.measurement, tracker_options(options)),
-      dynamics_(options.camera, dynamics_options(options)) {
-  for (int k = 0; k < first_keyframe_; ++k) {
-    if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
+struct Slam::State {
+  State(const SlamConfig& c, std::unique_ptr<Detector> detector, std::optional<Map> stored)
+      : config(c),
+        has_stored_map(stored.has_value()),
+        engine(c, std::move(stored)),
+        pipeline(std::move(detector), c.orb, c.realtime) {}
+
+  void track();
+  void publish(const std::shared_ptr<FrameSnapshot>& snapshot);
+  void publish_state(const FrameResult& result);
+  void start();
+  std::optional<FrameResult> take(std::unique_lock<std::mutex>& lock);
+  const Engine& finished_engine() const;
+
+  const SlamConfig config;
+  const bool has_stored_map;
+  Engine engine;  // the tracking thread's, until it has ended
+  FramePipeline pipeline;
+  std::vector<std::unique_ptr<ObserverInbox>> inboxes;
+
+  // Of the thread that feeds.
+  std::optional<double> last_timestamp;
+  int last_index = -1;
+  bool finished = false;
+
+  // Of the tracking thread.
+  Stopwatch frame_watch;
+  std::size_t published_loops = 0;
+  std::optional<double> lost_since;
+
+  mutable std::mutex mutex;  // guards what follows
+  std::condition_variable changed;
+  std::deque<FrameResult> results;
+  int fed = 0, answered = 0, forgotten = 0;
+  std::exception_ptr failure;
+
+  std::thread thread;  // started with the first frame
+};
+
+void Slam::State::start() {
+  if (thread.joinable()) return;
+  thread = std::thread([this] { track(); });
+}
+
+void Slam::State::track() {
+  try {
+    while (std::optional<PreparedFrame> prepared = pipeline.next()) {
+      const auto fed_at = prepared->fed;
+      const std::shared_ptr<FrameSnapshot> snapshot = engine.track(std::move(*prepared));
+      FrameResult& result = snapshot->result;
+      result.frame_ms = frame_watch.lap_ms();
+      result.latency_ms =
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - fed_at)
+              .count();
+      {
+        const std::lock_guard lock(mutex);
+        ++answered;
+        results.push_back(result);
+        if (results.size() > kept_results) {
+          results.pop_front();
+          if (forgotten++ == 0) spdlog::warn("results are not polled; the oldest are forgotten");
+        }
+      }
+      changed.notify_all();
+      publish(snapshot);
+    }
+  } catch (...) {
+    {
+      const std::lock_guard lock(mutex);
+      failure = std::current_exception();
+    }
+    changed.notify_all();
+    pipeline.close_input();
   }
 }
 
-FrameReport Slam::track(const PreparedFrame& prepared, FrameDynamics* dynamics_out) {
-  FrameReport report;
-  report.index = prepared.frame.index;
-  report.timestamp = prepared.frame.timestamp;
-  report.decode_ms = prepared.decode_ms;
-  report.feature_ms = prepared.feature_ms;
-  report.detection_ms = prepared.detection_ms;
-
-  FrameDynamics dynamics =
-      dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints, prepared.detections);
-  report.clustering_ms = dynamics.clustering_ms;
-  report.removal_ms = dynamics.removal_ms;
-  for (const Detection& d : prepared.detections) {
-    report.detections += d.score >= options_.dynamics.compensation.start_score;
+void Slam::State::publish(const std::shared_ptr<FrameSnapshot>& snapshot) {
+  if (inboxes.empty()) return;
+  const FrameResult& result = snapshot->result;
+  for (const auto& inbox : inboxes) inbox->put_frame(snapshot);
+  if (result.keyframe) {
+    const Map& map = engine.map();
+    const Keyframe& k = map.keyframe(map.keyframe_ids() - 1);
+    KeyframeSnapshot keyframe{
+        k.id, k.map, k.frame_index, k.timestamp, k.camera_from_world.inverse(), 0};
+    for (const int l : k.landmarks) keyframe.landmarks += l >= 0;
+    for (const auto& inbox : inboxes) {
+      inbox->put([keyframe](SlamObserver& o) { o.on_keyframe(keyframe); });
+    }
   }
-  for (const DynamicObject& o : dynamics.objects) report.compensated += o.compensated;
+  const std::vector<ClosedLoop>& loops = engine.loops();
+  for (; published_loops < loops.size(); ++published_loops) {
+    const ClosedLoop loop = loops[published_loops];
+    for (const auto& inbox : inboxes) {
+      inbox->put(
+          [loop](SlamObserver& o) { loop.joined_maps ? o.on_maps_merged(loop) : o.on_loop(loop); });
+    }
+  }
+  publish_state(result);
+  for (const auto& inbox : inboxes) inbox->put_map(engine.map(), false);
+}
 
-  const Stopwatch watch;
-  Frame frame;
-  frame.index = prepared.frame.index;
-  frame.timestamp = prepared.frame.timestamp;
-  frame.features = FrameFeatures(prepared.orb, prepared.frame.depth, options_.camera,
-                                 tracker_.motion_over(prepared.frame.depth_delay));
-  frame.current_from_previous = dynamics.current_from_previous;
-  frame.is_static.reserve(dynamics.features.size());
-  for (const FeatureDynamics& f : dynamics.features) frame.is_static.push_back(f.is_static);
-  back_end_.advance(frame.index);
-  const TrackingResult tracked = tracker_.track(frame, back_end_.adjusting());
-  if (tracked.keyframe_due) back_end_.insert_keyframe(frame);
-  if (tracked.localised) tracker_.settle(frame, tracked.keyframe_due);
-  report.tracking_ms = watch.ms();
+void Slam::State::publish_state(const FrameResult& result) {
+  TrackingChange change{result.index, result.timestamp, 0.0};
+  if (lost_since) change.lost_for = result.timestamp - *lost_since;
+  if (result.localised && lost_since) {
+    lost_since.reset();
+    for (const auto& inbox : inboxes) inbox->put([change](SlamObserver& o) { o.on_found(change); });
+  } else if (result.state == TrackingState::lost && !result.localised && !lost_since) {
+    lost_since = result.timestamp;
+    for (const auto& inbox : inboxes) inbox->put([change](SlamObserver& o) { o.on_lost(change); });
+  }
+}
 
-  report.features = frame.features.size();
-  for (const char s : frame.is_static) report.removed_features += !s;
-  report.tracked_landmarks = tracker_.tracked_landmarks();
-  report.localised = tracked.localised;
-  report.keyframe = tracked.keyframe_due;
-  report.map_keyframes = map_.live_keyframes();
-  report.map_landmarks = map_.live_landmarks();
-  if (dynamics_out) *dynamics_out = std::move(dynamics);
-  return report;
+std::optional<FrameResult> Slam::State::take(std::unique_lock<std::mutex>& lock) {
+  if (results.empty()) {
+    if (!failure) return std::nullopt;
+    const std::exception_ptr reason = failure;
+    lock.unlock();
+    std::rethrow_exception(reason);
+  }
+  FrameResult result = std::move(results.front());
+  results.pop_front();
+  return result;
+}
+
+const Engine& Slam::State::finished_engine() const {
+  if (!finished) throw Error("Slam: the map and the trajectories are there after finish()");
+  return engine;
+}
+
+Slam::Slam(const SlamConfig& config, std::unique_ptr<Detector> detector, std::optional<Map> stored)
+    : state_(std::make_unique<State>(config, std::move(detector), std::move(stored))) {}
+
+Slam::~Slam() {
+  state_->pipeline.stop();
+  // Whoever waits for an observer stops waiting.
+  for (const auto& inbox : state_->inboxes) inbox->stop();
+  if (state_->thread.joinable()) state_->thread.join();
+}
+
+void Slam::add_observer(std::shared_ptr<SlamObserver> observer, const ObserverOptions& options) {
+  if (state_->thread.joinable()) throw Error("Slam: observers are added before the first frame");
+  auto inbox =
+      std::make_unique<ObserverInbox>(std::move(observer), options, state_->config.realtime);
+  if (state_->has_stored_map) inbox->know(state_->engine.map());
+  state_->inboxes.push_back(std::move(inbox));
+}
+
+void Slam::feed(RgbdFrame frame) {
+  State& s = *state_;
+  if (s.finished) throw Error("Slam: no frame can be fed after finish()");
+  const std::string problem = problem_of(frame, s.config.camera, s.last_timestamp);
+  if (!problem.empty()) throw Error(fmt::format("frame {}: {}", frame.index, problem));
+  own_pixels(frame.colour);
+  own_pixels(frame.depth);
+  frame.index = std::max(frame.index, s.last_index + 1);
+  s.last_index = frame.index;
+  s.last_timestamp = frame.timestamp;
+  s.start();
+  {
+    const std::lock_guard lock(s.mutex);
+    if (s.failure) std::rethrow_exception(s.failure);
+    ++s.fed;
+  }
+  s.pipeline.push(std::move(frame));
+}
+
+std::optional<FrameResult> Slam::poll() {
+  std::unique_lock lock(state_->mutex);
+  return state_->take(lock);
+}
+
+std::optional<FrameResult> Slam::wait() {
+  State& s = *state_;
+  std::unique_lock lock(s.mutex);
+  if (!s.config.realtime) {
+    s.changed.wait(lock, [&] { return !s.results.empty() || s.failure || s.answered == s.fed; });
+  }
+  return s.take(lock);
 }
 
 void Slam::finish(const std::atomic<bool>* stop) {
-  back_end_.finish(options_.final_adjustment && !options_.localize_only, stop);
+  State& s = *state_;
+  if (s.finished) return;
+  s.pipeline.close_input();
+  if (s.thread.joinable()) s.thread.join();
+  s.engine.finish(stop);
+  s.finished = true;
+  for (const auto& inbox : s.inboxes) inbox->put_map(s.engine.map(), true);
+  for (const auto& inbox : s.inboxes) inbox->finish();
 }
 
-std::vector<int> Slam::maps_in_use() const {
-  std::vector<int> frames(static_cast<std::size_t>(map_.maps()), 0), used;
-  for (const TrackedPose& p : tracker_.poses()) {
-    const int which = map_.keyframe(p.reference_keyframe).map;
-    if (frames[static_cast<std::size_t>(which)]++ == 0) used.push_back(which);
+SlamCounters Slam::counters() const {
+  const State& s = *state_;
+  SlamCounters counters;
+  {
+    const std::lock_guard lock(s.mutex);
+    counters.fed = s.fed;
+    counters.answered = s.answered;
+    counters.forgotten_results = s.forgotten;
   }
-  std::stable_sort(used.begin(), used.end(), [&](int a, int b) {
-    return frames[static_cast<std::size_t>(a)] > frames[static_cast<std::size_t>(b)];
-  });
-  return used;
+  counters.dropped = s.pipeline.dropped_frames();
+  counters.detector_failures = s.pipeline.detector_failures();
+  for (const auto& inbox : s.inboxes) {
+    counters.observer_exceptions += inbox->exceptions();
+    counters.observer_drops += inbox->dropped();
+  }
+  return counters;
 }
 
 std::vector<Trajectory> Slam::trajectories() const {
-  const std::vector<int> used = maps_in_use();
-  std::vector<Trajectory> paths(used.size());
-  for (const TrackedPose& p : tracker_.poses()) {
-    const int which = map_.keyframe(p.reference_keyframe).map;
-    const auto path = std::find(used.begin(), used.end(), which) - used.begin();
-    const Se3 camera_from_world =
-        p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe);
-    paths[static_cast<std::size_t>(path)].push_back({p.timestamp, camera_from_world.inverse()});
-  }
-  return paths;
+  return state_->finished_engine().trajectories();
 }
 
 Trajectory Slam::trajectory() const {
-  const std::vector<Trajectory> paths = trajectories();
-  return paths.empty() ? Trajectory() : paths.front();
+  std::vector<Trajectory> paths = trajectories();
+  return paths.empty() ? Trajectory() : std::move(paths.front());
 }
 
 Trajectory Slam::keyframe_trajectory() const {
-  Trajectory out;
-  const std::vector<int> used = maps_in_use();
-  if (used.empty()) return out;
-  for (const int k : map_.keyframes_in(used.front())) {
-    if (k < first_keyframe_) continue;
-    out.push_back({map_.keyframe(k).timestamp, map_.keyframe(k).camera_from_world.inverse()});
-  }
-  return out;
+  return state_->finished_engine().keyframe_trajectory();
 }
+
+const Map& Slam::map() const { return state_->finished_engine().map(); }
+
+const std::vector<ClosedLoop>& Slam::loops() const { return state_->finished_engine().loops(); }
 
 }  // namespace dkp_slam

@@ -1,74 +1,96 @@
 #pragma once
 
 #include <atomic>
+#include <memory>
 #include <optional>
 #include <vector>
 
-#include "dkp_slam/dynamics/dynamics_module.h"
+#include "dkp_slam/detection/detector.h"
 #include "dkp_slam/geometry/stamped_pose.h"
-#include "dkp_slam/localization/place_index.h"
-#include "dkp_slam/system/back_end.h"
+#include "dkp_slam/sensor/rgbd_frame.h"
 #include "dkp_slam/system/config.h"
-#include "dkp_slam/system/front_end.h"
-#include "dkp_slam/tracking/tracker.h"
+#include "dkp_slam/system/frame_result.h"
+#include "dkp_slam/system/observer.h"
 
 namespace dkp_slam {
 
-/// What happened to one frame.
-struct FrameReport {
-  int index = 0;
-  double timestamp = 0.0;
-  bool localised = false;
-  int features = 0;
-  int removed_features = 0;  ///< called dynamic
-  int tracked_landmarks = 0;
-  int detections = 0;   ///< in this frame, scores high enough to start an object
-  int compensated = 0;  ///< objects carried without a detection
-  bool keyframe = false;
-  int map_keyframes = 0, map_landmarks = 0;  ///< in all maps, after the frame
-  double resident_mb = 0.0;  ///< memory of the whole process, where somebody measured it
-  double decode_ms = 0.0, feature_ms = 0.0,
-         detection_ms = 0.0;  ///< in threads ahead of the tracker
-  double clustering_ms = 0.0, removal_ms = 0.0, tracking_ms = 0.0;
-  double frame_ms = 0.0;  ///< from the last frame's end to this one's, all threads working
+/// What a run came to so far.
+struct SlamCounters {
+  int fed = 0;                ///< frames taken
+  int answered = 0;           ///< of which there is a result
+  int dropped = 0;            ///< live: too late
+  int detector_failures = 0;  ///< 1: it threw, and is not called any more
+  int forgotten_results = 0;  ///< nobody polled them in time
+  int observer_exceptions = 0;
+  int observer_drops = 0;  ///< events that a slow observer missed
 };
 
-/// The whole system: feed it frames in order, then ask for the poses.
+/// The door of the system: colour and depth images in, poses out, everything else to observers.
+///
+///     Slam slam(config, std::move(detector));
+///     while (auto frame = source->read()) {
+///       slam.feed(std::move(*frame));
+///       while (auto result = slam.poll()) use(*result);
+///     }
+///     slam.finish();
+///     save(slam.trajectory());
+///
+/// Offline (`config.realtime` false) `feed` waits for room, nothing is dropped, and the same frames
+/// with the same configuration give the same bytes, however fast or busy the machine. Live
+/// (`realtime`) `feed` returns at once; what comes too fast is dropped, the oldest frame first,
+/// and counted; nobody waits for the detector, whose newest answer counts.
+///
+/// Threads: features, detection, tracking and every observer run in threads of their own. `feed`,
+/// `poll`, `wait` and `finish` may be called from any thread, but each by one at a time; `counters`
+/// by all at any time. Observers are added before the first frame. The map and the trajectories
+/// belong to the tracking thread until `finish` has returned; asking for them before throws.
 class Slam {
  public:
-  /// `stored`: a map to start from, made with this camera (see check_fits).
-  explicit Slam(const SlamConfig& options, std::optional<Map> stored = std::nullopt);
+  /// `detector` may be null: then nothing but motion tells what is dynamic. `stored`: a map to
+  /// start from, made with this camera. Throws `Error` for a configuration that makes no sense.
+  explicit Slam(const SlamConfig& config, std::unique_ptr<Detector> detector = nullptr,
+                std::optional<Map> stored = std::nullopt);
+  /// Without `finish`: stops as soon as the frame under way is done.
+  ~Slam();
+  Slam(const Slam&) = delete;
+  Slam& operator=(const Slam&) = delete;
 
-  /// Localises one frame and grows the map. `dynamics_out`, when given, receives what was found out
-  /// about moving things, for pictures.
-  FrameReport track(const PreparedFrame& prepared, FrameDynamics* dynamics_out = nullptr);
+  void add_observer(std::shared_ptr<SlamObserver> observer, const ObserverOptions& options = {});
 
-  /// Ends the run: waits for the adjustment under way and does the final one, unless `stop` is set
-  /// before that is done.
+  /// Takes a frame: colour CV_8UC3 (BGR) and depth CV_32FC1 (metres, 0 unknown) of the camera's
+  /// size. The images must not be written to afterwards; pixels that are not cv::Mat's own are
+  /// copied. An index that does not count on from the last frame's is replaced by one that does.
+  /// Throws `Error` for a frame of the wrong type or size or whose time stamp is not after the last
+  /// one's, which then changes nothing; after `finish`; and where the system itself has failed.
+  void feed(RgbdFrame frame);
+  /// The next result, in the frames' order; nothing when there is none yet. Results that nobody
+  /// asks for are kept for ten minutes of a 30 Hz camera. Throws what ended the system early, after
+  /// the results before it.
+  std::optional<FrameResult> poll();
+  /// Offline: waits for the next result; nothing when all frames fed so far have theirs. Throws as
+  /// `poll`.
+  std::optional<FrameResult> wait();
+
+  /// No more frames: finishes those that were fed, ends adjustments and does the final one unless
+  /// `stop` is set before that is done, and lets the observers have what is left for them.
   void finish(const std::atomic<bool>* stop = nullptr);
 
-  /// Poses of all localised frames, by time, with everything known so far: one path per map that
-  /// any were localised in, each in its own world frame, the longest first.
+  SlamCounters counters() const;
+
+  /// After `finish`. Poses of all localised frames, by time, with everything known at the end: one
+  /// path per map that any were localised in, each in its own world frame, the longest first.
   std::vector<Trajectory> trajectories() const;
   /// The longest of them.
   Trajectory trajectory() const;
   /// Poses of this run's keyframes in the map of the longest path.
   Trajectory keyframe_trajectory() const;
-
-  const Map& map() const { return map_; }
-  const std::vector<ClosedLoop>& loops() const { return back_end_.loops(); }
+  const Map& map() const;
+  /// Loops closed and maps merged.
+  const std::vector<ClosedLoop>& loops() const;
 
  private:
-  /// Maps that frames were localised in, most frames first.
-  std::vector<int> maps_in_use() const;
-
-  const SlamConfig options_;
-  Map map_;
-  const int first_keyframe_;  // of this run
-  PlaceIndex places_;         // follows the map's locking rule: the tracking thread's alone
-  BackEnd back_end_;
-  Tracker tracker_;
-  DynamicsModule dynamics_;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace dkp_slam

@@ -8,12 +8,18 @@
 #include "dkp_slam/localization/matcher.h"
 #include "dkp_slam/localization/pose_refinement.h"
 #include "dkp_slam/localization/relocalizer.h"
+#include "dkp_slam/map/id_map.h"
 
 namespace dkp_slam {
 
 Tracker::Tracker(Map& map, const PlaceIndex& places, const MeasurementModel& model,
-                 const TrackerOptions& options)
-    : map_(map), places_(places), model_(model), options_(options) {
+                 const TrackerOptions& options, bool localize_only, std::uint64_t seed)
+    : map_(map),
+      places_(places),
+      model_(model),
+      options_(options),
+      localize_only_(localize_only),
+      seed_(seed) {
   // In a map from before the camera first has to find out where it is.
   if (map_.live_keyframes() > 0) state_ = TrackingState::lost;
 }
@@ -23,7 +29,7 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
   frame.landmark.assign(static_cast<std::size_t>(frame.features.size()), -1);
   tracked_landmarks_ = 0;
   if (state_ == TrackingState::not_initialized) {
-    return options_.localize_only ? TrackingResult() : initialize(frame);
+    return localize_only_ ? TrackingResult() : initialize(frame);
   }
   if (!localize(frame)) {
     if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);
@@ -38,13 +44,14 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
   return {true, tracked_landmarks_ > 0 && keyframe_is_due(frame, adjusting)};
 }
 
-void Tracker::settle(const Frame& frame, bool became_keyframe) {
+TrackedPose Tracker::settle(const Frame& frame, bool became_keyframe) {
   if (became_keyframe) {
     keyframe_time_ = frame.timestamp;
     // The first of a map: what it made is what is tracked.
     if (tracked_landmarks_ == 0) tracked_landmarks_ = frame.tracked_landmarks();
   }
   remember(frame);
+  return {frame.timestamp, frame.reference_keyframe, last_from_reference_};
 }
 
 bool Tracker::localize(Frame& frame) {
@@ -56,7 +63,7 @@ bool Tracker::localize(Frame& frame) {
     if (found) correct_shutter(frame, frame.camera_from_world * last_.camera_from_world.inverse());
     found = found && track_local_map(frame);
   }
-  if (!found && relocalize(map_, places_, model_, options_.seed, frame) && track_local_map(frame)) {
+  if (!found && relocalize(map_, places_, model_, seed_, frame) && track_local_map(frame)) {
     // The place may lie in another map, and the way there is no motion of the camera.
     map_.set_current_map(map_.keyframe(frame.reference_keyframe).map);
     motion_time_ = 0.0;
@@ -74,7 +81,7 @@ bool Tracker::localize(Frame& frame) {
 TrackingResult Tracker::start_another_map(Frame& frame) {
   if (!lost_since_) lost_since_ = frame.timestamp;
   const double lost = frame.timestamp - *lost_since_;
-  if (options_.localize_only || lost < options_.longest_loss || !can_start(frame)) return {};
+  if (localize_only_ || lost < options_.longest_loss || !can_start(frame)) return {};
   spdlog::warn("frame {}: lost for {:.1f} s, another map is begun", frame.index, lost);
   lost_since_.reset();
   map_.start_map();
@@ -170,10 +177,10 @@ bool Tracker::track_reference_keyframe(Frame& frame) {
 }
 
 std::vector<int> Tracker::local_landmarks(Frame& frame) const {
-  std::vector<int> votes(static_cast<std::size_t>(map_.keyframe_ids()), 0);
+  IdMap<int> votes;
   std::vector<int> keyframes;
   const auto vote = [&](int k) {
-    if (votes[static_cast<std::size_t>(k)]++ == 0) keyframes.push_back(k);
+    if (votes.insert(k).first++ == 0) keyframes.push_back(k);
   };
   for (const int l : frame.landmark) {
     if (l < 0) continue;
@@ -181,8 +188,7 @@ std::vector<int> Tracker::local_landmarks(Frame& frame) const {
   }
   if (keyframes.empty()) vote(frame.reference_keyframe);
   std::sort(keyframes.begin(), keyframes.end(), [&](int a, int b) {
-    const int votes_a = votes[static_cast<std::size_t>(a)];
-    const int votes_b = votes[static_cast<std::size_t>(b)];
+    const int votes_a = *votes.find(a), votes_b = *votes.find(b);
     return votes_a != votes_b ? votes_a > votes_b : a < b;
   });
   frame.reference_keyframe = keyframes.front();
@@ -215,7 +221,7 @@ bool Tracker::track_local_map(Frame& frame) {
                 [&](int l) { return std::binary_search(matched.begin(), matched.end(), l); });
 
   const std::vector<VisibleLandmark> visible = landmarks_in_view(map_, frame, landmarks);
-  if (!options_.localize_only) {
+  if (!localize_only_) {
     for (const VisibleLandmark& v : visible) ++map_.landmark(v.landmark).visible;
     for (const int l : matched) ++map_.landmark(l).visible;
   }
@@ -227,16 +233,17 @@ bool Tracker::track_local_map(Frame& frame) {
   tracked_landmarks_ = refine_pose(map_, model_, frame, matches);
   if (tracked_landmarks_ < options_.least_inliers) return false;
   assign_landmarks(matches, frame);
-  if (options_.localize_only) return true;
+  if (localize_only_) return true;
   for (const FrameMatch& m : matches) ++map_.landmark(m.landmark).found;
-  weigh_evidence(frame, all_matches);
+  if (options_.use_belief) weigh_evidence(frame, all_matches);
   return true;
 }
 
 void Tracker::drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const {
   std::erase_if(matches, [&](const FrameMatch& m) {
-    return !frame.is_static[static_cast<std::size_t>(m.feature)] &&
-           map_.landmark(m.landmark).dynamic_log_odds > options_.belief.trusted_below;
+    const bool trusted = options_.use_belief && map_.landmark(m.landmark).dynamic_log_odds <=
+                                                    options_.belief.trusted_below;
+    return !frame.is_static[static_cast<std::size_t>(m.feature)] && !trusted;
   });
 }
 
@@ -261,7 +268,7 @@ void Tracker::weigh_evidence(Frame& frame, const std::vector<FrameMatch>& matche
 }
 
 bool Tracker::keyframe_is_due(const Frame& frame, bool adjusting) const {
-  if (options_.localize_only) return false;
+  if (localize_only_) return false;
   const auto room = std::count(frame.is_static.begin(), frame.is_static.end(), 1);
   if (room < options_.least_keyframe_features) return false;
   if (!adjusting && frame.timestamp - keyframe_time_ >= options_.keyframe_interval) return true;
@@ -299,7 +306,6 @@ void Tracker::remember(const Frame& frame) {
   last_ = frame;
   last_from_reference_ =
       frame.camera_from_world * map_.keyframe_pose(frame.reference_keyframe).inverse();
-  poses_.push_back({frame.timestamp, frame.reference_keyframe, last_from_reference_});
 }
 
 }  // namespace dkp_slam

@@ -12,6 +12,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 enum class TrackingState {
   not_initialized,  ///< waits for a first frame with enough static features with depth
   tracking,
@@ -47,10 +49,14 @@ struct TrackerOptions {
   /// hand-held camera that is shaken stays under 20 and 60.
   double most_acceleration = 20.0;
   double most_angular_acceleration = 60.0;
+  /// Landmarks keep a belief about being dynamic: trusted ones are tracked on features that were
+  /// called dynamic, and those that stray are removed. Without it what was called dynamic is not
+  /// used, and nothing is remembered of it.
+  bool use_belief = true;
   LandmarkBelief belief;
-  /// Find the camera in the map that is there, and change nothing in it.
-  bool localize_only = false;
-  std::uint64_t seed = 1;  ///< of relocalisation's RANSAC
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// The pose a frame was given when it was tracked, kept relative to its reference keyframe, so that
@@ -73,23 +79,25 @@ struct TrackingResult {
 /// Two calls a frame: `track`, and `settle` once what it asked for has been done.
 class Tracker {
  public:
+  /// `localize_only`: find the camera in the map that is there, and change nothing in it. `seed`
+  /// is of relocalisation's RANSAC.
   Tracker(Map& map, const PlaceIndex& places, const MeasurementModel& model,
-          const TrackerOptions& options);
+          const TrackerOptions& options, bool localize_only = false, std::uint64_t seed = 1);
 
   /// Localises the frame: sets its pose, reference keyframe and landmarks, each of which is in the
   /// map and belongs to one feature only. `adjusting`: a local bundle adjustment is under way, for
   /// which keyframes that are not urgent wait.
   TrackingResult track(Frame& frame, bool adjusting);
   /// Takes a frame that was localised as the one to track the next from. `became_keyframe`: it was
-  /// inserted into the map and is its own reference keyframe now.
-  void settle(const Frame& frame, bool became_keyframe);
+  /// inserted into the map and is its own reference keyframe now. Returns its pose for those who
+  /// keep the path.
+  TrackedPose settle(const Frame& frame, bool became_keyframe);
 
   /// Camera at `seconds` after the last frame from camera at the last frame, were it to move on as
   /// it did; identity while its motion is unknown.
   Se3 motion_over(double seconds) const;
 
   TrackingState state() const { return state_; }
-  const std::vector<TrackedPose>& poses() const { return poses_; }
   int tracked_landmarks() const { return tracked_landmarks_; }
 
  private:
@@ -114,6 +122,8 @@ class Tracker {
   const PlaceIndex& places_;
   const MeasurementModel model_;
   const TrackerOptions options_;
+  const bool localize_only_;
+  const std::uint64_t seed_;
   TrackingState state_ = TrackingState::not_initialized;
   Frame last_;
   Se3 last_from_reference_;
@@ -123,7 +133,6 @@ class Tracker {
   double map_time_ = 0.0;             ///< of the last frame that was localised in the map
   std::optional<double> lost_since_;  ///< timestamp of the first frame that was not localised
   int tracked_landmarks_ = 0;
-  std::vector<TrackedPose> poses_;
 };
 
 }  // namespace dkp_slam

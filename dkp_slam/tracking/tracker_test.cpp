@@ -1,10 +1,15 @@
 #include "dkp_slam/tracking/tracker.h"
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "dkp_slam/localization/test_world.h"
+#include "dkp_slam/map/map_parts.h"
 
 namespace dkp_slam {
 namespace {
@@ -18,7 +23,14 @@ struct Tracking : ::testing::Test {
   PointWorld world{300};
   Map map{world.camera, 1.2F, 8};
   PlaceIndex places;
-  Tracker tracker{map, places, MeasurementModel(), TrackerOptions()};
+  TrackerOptions options;
+  std::optional<Tracker> made_;
+
+  /// Made at the first call, with the options as they are then.
+  Tracker& tracker() {
+    if (!made_) made_.emplace(map, places, MeasurementModel(), options);
+    return *made_;
+  }
 
   Frame frame_at(const Se3& camera_from_world, int index) {
     Frame frame = world.frame_at(camera_from_world, points_);
@@ -27,14 +39,44 @@ struct Tracking : ::testing::Test {
     frame.timestamp = index / 30.0;
     return frame;
   }
-  TrackingResult track(Frame& frame) {
-    const TrackingResult result = tracker.track(frame, false);
+  TrackingResult track(Frame& frame, bool adjusting = false) {
+    const TrackingResult result = tracker().track(frame, adjusting);
     if (result.keyframe_due) {
       world.add_keyframe(map, frame, points_);
       places.add_keyframe(map, frame.reference_keyframe);
     }
-    if (result.localised) tracker.settle(frame, result.keyframe_due);
+    if (result.localised) tracker().settle(frame, result.keyframe_due);
     return result;
+  }
+  /// Where a camera is that moves steadily to the side.
+  static Se3 steady(int index) { return pose(0.01 * index, 0.0, 0.0); }
+  /// Tracks frames [from, to) of the steady camera, all of which must be localised.
+  void follow(int from, int to) {
+    for (int i = from; i < to; ++i) {
+      Frame frame = frame_at(steady(i), i);
+      ASSERT_TRUE(track(frame).localised) << i;
+    }
+  }
+  /// A frame of the steady camera before which somebody stands: nothing static is seen, and the
+  /// camera's motion is measured.
+  Frame covered(int index) {
+    Frame frame = frame_at(steady(index), index);
+    std::fill(frame.is_static.begin(), frame.is_static.end(), 0);
+    frame.current_from_previous = steady(index) * steady(index - 1).inverse();
+    return frame;
+  }
+  /// Leaves only so many of the frame's features static.
+  static void keep_static(Frame& frame, int count) {
+    for (std::size_t f = 0; f < frame.is_static.size(); ++f) {
+      frame.is_static[f] = static_cast<int>(f) < count;
+    }
+  }
+  /// Takes their landmark from so many features' points: as if the room there were new.
+  /// The frame then tracks fewer landmarks of the map.
+  void forget_points(Frame& frame, int count) {
+    for (int f = 0; f < count; ++f) {
+      frame.features.descriptor[static_cast<std::size_t>(f)] = world.random_descriptor();
+    }
   }
   /// The feature of the frame made last that shows the point; -1 for none.
   int feature_of(int point) const {
@@ -59,7 +101,7 @@ TEST_F(Tracking, FollowsAMovingCamera) {
     Frame frame = frame_at(truth, i);
     ASSERT_TRUE(track(frame).localised);
     EXPECT_LT(pose_distance(frame.camera_from_world, truth), 1e-3);
-    EXPECT_GT(tracker.tracked_landmarks(), 100);
+    EXPECT_GT(tracker().tracked_landmarks(), 100);
   }
 }
 
@@ -88,6 +130,257 @@ TEST_F(Tracking, ALandmarkThatEvidenceRemovesIsReadByNobodyAfter) {
   Frame third = frame_at({}, 2);
   EXPECT_TRUE(track(third).localised);
   expect_each_landmark_once(map, third);
+}
+
+TEST_F(Tracking, IsCarriedByItsMotionAsLongAsSomebodyWalksPast) {
+  follow(0, 5);
+  const int longest = static_cast<int>(options.longest_carry * 30.0);
+  for (int i = 5; i < 5 + longest; ++i) {
+    Frame frame = covered(i);
+    const TrackingResult result = track(frame);
+    ASSERT_TRUE(result.localised) << i;
+    EXPECT_FALSE(result.keyframe_due);
+    EXPECT_EQ(tracker().tracked_landmarks(), 0);
+    EXPECT_LT(pose_distance(frame.camera_from_world, steady(i)), 0.01);
+  }
+  // Now drift would pass for localisation.
+  Frame late = covered(5 + longest);
+  EXPECT_FALSE(track(late).localised);
+  EXPECT_EQ(tracker().state(), TrackingState::lost);
+}
+
+TEST_F(Tracking, IsCarriedByAMeasuredMotionOnly) {
+  follow(0, 5);
+  Frame frame = covered(5);
+  frame.current_from_previous.reset();
+  EXPECT_FALSE(track(frame).localised);
+}
+
+TEST_F(Tracking, IsNotCarriedOverAMissingFrame) {
+  follow(0, 5);
+  Frame frame = covered(6);  // its motion is since frame 5, which never came
+  EXPECT_FALSE(track(frame).localised);
+}
+
+TEST_F(Tracking, DoesNotBelieveAMeasuredMotionThatNoCameraMakes) {
+  follow(0, 5);
+  Frame frame = covered(5);
+  // Somebody's coat, half a metre in a thirtieth of a second.
+  frame.current_from_previous = pose(0.5, 0.0, 0.0);
+  ASSERT_TRUE(track(frame).localised);
+  EXPECT_LT(pose_distance(frame.camera_from_world, steady(5)), 0.002);
+}
+
+TEST_F(Tracking, ALandmarkThatMovesIsRemovedAfterTwoFramesAndNotAfterOne) {
+  Frame first = frame_at({}, 0);
+  ASSERT_TRUE(track(first).keyframe_due);
+  const int moved = first.landmark[static_cast<std::size_t>(feature_of(0))];
+  world.points[0].x() += 4.0 * world.points[0].z() / world.camera.fx;  // by four pixels
+  for (int i = 1; i <= 2; ++i) {
+    ASSERT_TRUE(map.has_landmark(moved)) << i;
+    Frame frame = frame_at({}, i);
+    frame.is_static[static_cast<std::size_t>(feature_of(0))] = 0;
+    ASSERT_TRUE(track(frame).localised);
+    expect_each_landmark_once(map, frame);
+  }
+  EXPECT_FALSE(map.has_landmark(moved));
+  EXPECT_EQ(map.live_landmarks(), 299);
+}
+
+TEST_F(Tracking, ALandmarkThatStaysIsTrustedThoughItsFeatureIsCalledDynamic) {
+  Frame first = frame_at({}, 0);
+  ASSERT_TRUE(track(first).keyframe_due);
+  const int id = first.landmark[static_cast<std::size_t>(feature_of(0))];
+  // Called dynamic while it is new: not used, and a little doubted in its favour.
+  Frame second = frame_at({}, 1);
+  second.is_static[static_cast<std::size_t>(feature_of(0))] = 0;
+  ASSERT_TRUE(track(second).localised);
+  EXPECT_EQ(second.landmark[static_cast<std::size_t>(feature_of(0))], -1);
+  EXPECT_FLOAT_EQ(map.landmark(id).dynamic_log_odds, options.belief.doubted);
+  // Two good frames, and it withstands the same verdict.
+  for (int i = 2; i < 4; ++i) {
+    Frame good = frame_at({}, i);
+    ASSERT_TRUE(track(good).localised);
+  }
+  EXPECT_LT(map.landmark(id).dynamic_log_odds, options.belief.trusted_below);
+  Frame last = frame_at({}, 4);
+  last.is_static[static_cast<std::size_t>(feature_of(0))] = 0;
+  ASSERT_TRUE(track(last).localised);
+  EXPECT_EQ(last.landmark[static_cast<std::size_t>(feature_of(0))], id);
+}
+
+TEST_F(Tracking, ALandmarkUnderSuspicionIsRehabilitatedByStaying) {
+  Frame first = frame_at({}, 0);
+  ASSERT_TRUE(track(first).keyframe_due);
+  const int id = first.landmark[static_cast<std::size_t>(feature_of(0))];
+  map.landmark(id).dynamic_log_odds = options.belief.dynamic_above;  // one more doubt, and it goes
+  float before = map.landmark(id).dynamic_log_odds;
+  for (int i = 1; i <= 20; ++i) {
+    Frame frame = frame_at({}, i);
+    ASSERT_TRUE(track(frame).localised);
+    ASSERT_TRUE(map.has_landmark(id));
+    EXPECT_LE(map.landmark(id).dynamic_log_odds, before);
+    before = map.landmark(id).dynamic_log_odds;
+  }
+  // Of every other landmark as of this one: no past counts for ever.
+  EXPECT_FLOAT_EQ(before, options.belief.lowest);
+}
+
+TEST_F(Tracking, AKeyframeIsDueAfterTheInterval) {
+  const int last = static_cast<int>(options.keyframe_interval * 30.0);
+  for (int i = 0; i <= last; ++i) {
+    Frame frame = frame_at({}, i);
+    const TrackingResult result = track(frame);
+    ASSERT_TRUE(result.localised);
+    EXPECT_EQ(result.keyframe_due, i == 0 || i == last) << i;
+  }
+}
+
+TEST_F(Tracking, NoKeyframeIsDueByTimeWhileAnAdjustmentIsUnderWay) {
+  for (int i = 0; i <= 40; ++i) {
+    Frame frame = frame_at({}, i);
+    EXPECT_EQ(track(frame, true).keyframe_due, i == 0);
+  }
+}
+
+TEST_F(Tracking, AKeyframeIsDueWhenFewOfTheReferencesLandmarksAreTracked) {
+  // All of them are within 2.5 m: without depth no near features ask for a keyframe by themselves.
+  const auto due = [&](int index, double tracked_share, bool adjusting) {
+    Frame frame = frame_at({}, index);
+    const auto fresh = static_cast<int>(std::lround((1.0 - tracked_share) * 300));
+    forget_points(frame, fresh);
+    for (int f = 0; f < fresh; ++f) frame.features.depth[static_cast<std::size_t>(f)] = 0.0F;
+    const TrackingResult result = tracker().track(frame, adjusting);
+    EXPECT_TRUE(result.localised);
+    EXPECT_EQ(tracker().tracked_landmarks(), 300 - fresh);
+    tracker().settle(frame, false);
+    return result.keyframe_due;
+  };
+  Frame first = frame_at({}, 0);
+  ASSERT_TRUE(track(first).keyframe_due);
+  const double share = options.keyframe_share, urgent = options.urgent_share;
+  EXPECT_FALSE(due(1, share + 0.02, false));
+  EXPECT_TRUE(due(2, share - 0.02, false));
+  EXPECT_FALSE(due(3, share - 0.02, true));  // that can wait for the adjustment,
+  EXPECT_FALSE(due(4, urgent + 0.02, true));
+  EXPECT_TRUE(due(5, urgent - 0.02, true));  // and this cannot
+}
+
+TEST_F(Tracking, AKeyframeIsDueWhereNearFeaturesWaitForALandmark) {
+  options.keyframe_share = 0.0;  // that rule is another test's
+  Frame first = frame_at({}, 0);
+  ASSERT_TRUE(track(first).keyframe_due);
+  const auto due = [&](int index, int tracked, int fresh) {
+    Frame frame = frame_at({}, index);
+    keep_static(frame, tracked + fresh);
+    forget_points(frame, fresh);
+    const bool result = tracker().track(frame, false).keyframe_due;
+    EXPECT_EQ(tracker().tracked_landmarks(), tracked);
+    tracker().settle(frame, false);
+    return result;
+  };
+  EXPECT_TRUE(due(1, 90, 80));    // few tracked and many to gain
+  EXPECT_FALSE(due(2, 110, 80));  // enough tracked
+  EXPECT_FALSE(due(3, 90, 65));   // little to gain
+}
+
+TEST_F(Tracking, NoKeyframeIsDueWhileSomebodyFillsTheView) {
+  Frame first = frame_at({}, 0);
+  ASSERT_TRUE(track(first).keyframe_due);
+  for (const int few : {options.least_keyframe_features - 1, options.least_keyframe_features}) {
+    // Long after the interval.
+    Frame frame = frame_at({}, 100 + few);
+    keep_static(frame, few);
+    const TrackingResult result = track(frame);
+    ASSERT_TRUE(result.localised);
+    EXPECT_EQ(result.keyframe_due, few == options.least_keyframe_features);
+  }
+}
+
+TEST_F(Tracking, WaitsWithItsStartUntilEnoughOfTheRoomIsSeen) {
+  for (int i = 0; i < 10; ++i) {
+    Frame frame = frame_at(steady(i), i);
+    keep_static(frame, options.least_to_start - 1);  // the rest is on a person
+    const TrackingResult result = track(frame);
+    EXPECT_FALSE(result.localised);
+    EXPECT_FALSE(result.keyframe_due);
+    EXPECT_EQ(tracker().state(), TrackingState::not_initialized);
+  }
+  Frame frame = frame_at(steady(10), 10);
+  keep_static(frame, options.least_to_start);
+  EXPECT_TRUE(track(frame).keyframe_due);
+  EXPECT_EQ(tracker().state(), TrackingState::tracking);
+}
+
+TEST_F(Tracking, NeedsFeaturesWithDepthForItsStart) {
+  Frame frame = frame_at({}, 0);
+  std::fill(frame.features.depth.begin(), frame.features.depth.end(), 0.0F);
+  EXPECT_FALSE(track(frame).localised);
+  EXPECT_EQ(map.keyframe_ids(), 0);
+}
+
+TEST_F(Tracking, BeginsAnotherMapWhenLostForTooLong) {
+  follow(0, 3);
+  PointWorld elsewhere(300);
+  for (Descriptor& d : elsewhere.descriptors) d = world.random_descriptor();
+  elsewhere.points = world.points;
+  world = elsewhere;
+  const int until = 3 + static_cast<int>(options.longest_loss * 30.0);
+  for (int i = 3; i < until; ++i) {
+    Frame frame = frame_at({}, i);
+    ASSERT_FALSE(track(frame).localised) << i;
+  }
+  EXPECT_EQ(map.maps(), 1);
+  Frame frame = frame_at({}, until);
+  const TrackingResult result = track(frame);
+  EXPECT_TRUE(result.localised);
+  EXPECT_TRUE(result.keyframe_due);
+  EXPECT_EQ(map.maps(), 2);
+  EXPECT_EQ(map.current_map(), 1);
+  EXPECT_EQ(map.live_keyframes_in(1), 1);
+  EXPECT_EQ(tracker().state(), TrackingState::tracking);
+}
+
+TEST_F(Tracking, FindsItsPlaceAgainWithinThatTimeAndBeginsNoMap) {
+  follow(0, 3);
+  for (int i = 3; i < 20; ++i) {
+    Frame blind = frame_at(steady(i), i);
+    keep_static(blind, 0);
+    ASSERT_FALSE(track(blind).localised);
+  }
+  const Se3 truth = pose(0.05, 0.02, 0.0, 0.01);
+  Frame seeing = frame_at(truth, 20);
+  ASSERT_TRUE(track(seeing).localised);
+  EXPECT_LT(pose_distance(seeing.camera_from_world, truth), 1e-3);
+  EXPECT_EQ(map.maps(), 1);
+}
+
+TEST_F(Tracking, LocalizeOnlyLeavesTheMapAsItIs) {
+  Frame first = frame_at({}, 0);
+  ASSERT_TRUE(track(first).keyframe_due);
+  const MapParts before = parts_of(map);
+  options.localize_only = true;
+  made_.reset();
+  // Lost at first, as in any map from before; then for so long that another map would be begun; and
+  // with landmarks that move.
+  for (int i = 0; i < 100; ++i) {
+    Frame frame = frame_at(steady(i % 10), i);
+    if (i > 20 && i < 80) keep_static(frame, 0);
+    if (i > 80) frame.is_static[5] = 0;
+    const TrackingResult result = track(frame);
+    EXPECT_EQ(result.localised, i <= 20 || i >= 80) << i;
+    EXPECT_FALSE(result.keyframe_due);
+  }
+  const MapParts after = parts_of(map);
+  EXPECT_EQ(after.maps, before.maps);
+  ASSERT_EQ(after.keyframes.size(), before.keyframes.size());
+  ASSERT_EQ(after.landmarks.size(), before.landmarks.size());
+  for (std::size_t l = 0; l < after.landmarks.size(); ++l) {
+    EXPECT_EQ(after.landmarks[l].position, before.landmarks[l].position);
+    EXPECT_EQ(after.landmarks[l].visible, before.landmarks[l].visible);
+    EXPECT_EQ(after.landmarks[l].found, before.landmarks[l].found);
+    EXPECT_EQ(after.landmarks[l].dynamic_log_odds, before.landmarks[l].dynamic_log_odds);
+  }
 }
 
 }  // namespace

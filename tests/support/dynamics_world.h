@@ -48,7 +48,8 @@ struct SyntheticWorld {
     DynamicsModule module(recording.camera, options);
     std::vector<FrameDynamics> results;
     for (std::size_t i = 0; i < size(); ++i) {
-      results.push_back(module.process(recording.frames[i], grey[i], keypoints[i], detections[i]));
+      results.push_back(module.process(recording.frames[i], grey[i], keypoints[i],
+                                       {recording.frames[i].timestamp, true, detections[i]}));
     }
     return results;
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dkp_slam/evaluation/absolute_error.h"
+#include "dkp_slam/geometry/sensor_scale.h"
 #include "dkp_slam/synth/source.h"
 
 namespace dkp_slam::testing {
@@ -30,13 +31,8 @@ class RecordedSource : public RgbdSource {
 };
 
 /// The same view with fewer pixels.
-inline Camera smaller(Camera camera, int divisor) {
-  camera.width /= divisor;
-  camera.height /= divisor;
-  for (double* length : {&camera.fx, &camera.fy}) *length /= divisor;
-  // Pixel centres have whole coordinates, so that the image begins at -0.5.
-  for (double* centre : {&camera.cx, &camera.cy}) *centre = (*centre + 0.5) / divisor - 0.5;
-  return camera;
+inline Camera smaller(const Camera& camera, int divisor) {
+  return resized(camera, camera.width / divisor, camera.height / divisor);
 }
 
 /// A synthetic scenario with all that is true of it. Rendered once, to be played often.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dkp_slam/detection/factory/detector_factory.h"
+#include "dkp_slam/system/playback.h"
 #include "dkp_slam/system/slam.h"
 
 namespace dkp_slam::testing {
@@ -12,13 +13,13 @@ namespace dkp_slam::testing {
 /// What a run of the whole system came to.
 struct Outcome {
   Trajectory path;
-  std::vector<FrameReport> frames;
+  std::vector<FrameResult> frames;
   int detector_failures = 0;
 
   /// Indices of the frames that were not localised.
   std::vector<int> lost() const {
     std::vector<int> indices;
-    for (const FrameReport& f : frames) {
+    for (const FrameResult& f : frames) {
       if (!f.localised) indices.push_back(f.index);
     }
     return indices;
@@ -26,7 +27,7 @@ struct Outcome {
   /// Share of the frames' features that was removed.
   double removed_share() const {
     double removed = 0.0, all = 0.0;
-    for (const FrameReport& f : frames) {
+    for (const FrameResult& f : frames) {
       removed += f.removed_features;
       all += f.features;
     }
@@ -39,13 +40,11 @@ inline Outcome run(std::unique_ptr<RgbdSource> source, std::unique_ptr<Detector>
   SlamConfig options;
   options.camera = camera;
   options.dynamics.mode = mode;
-  Slam slam(options);
+  Slam slam(options, std::move(detector));
   Outcome outcome;
-  FrontEnd front_end(std::move(source), std::move(detector), {options.orb, false});
-  while (const auto prepared = front_end.next()) outcome.frames.push_back(slam.track(*prepared));
-  slam.finish();
+  play(*source, slam, {}, [&](const FrameResult& result) { outcome.frames.push_back(result); });
   outcome.path = slam.trajectory();
-  outcome.detector_failures = front_end.detector_failures();
+  outcome.detector_failures = slam.counters().detector_failures;
   return outcome;
 }
 

@@ -7,6 +7,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "dkp_slam/detection/yolox/yolox_decode.h"
 #include "dkp_slam/detection/yolox/yolox_network.h"
 #include "dkp_slam/error.h"
 
@@ -57,11 +58,7 @@ void check(const YoloxOptions& options) {
   if (!fs::is_regular_file(options.model)) {
     throw Error("no model file '" + model + "'; " + model_advice());
   }
-  if (options.threads < 1) throw Error("the detector needs at least 1 thread");
-  const auto share = [](float v) { return v >= 0.0F && v <= 1.0F; };
-  if (!share(options.decode.lowest_score) || !share(options.decode.nms_iou)) {
-    throw Error("the detector's lowest score and overlap must be from 0 to 1");
-  }
+  options.check();
 }
 
 std::optional<fs::path> model_in(const fs::path& folder) {
@@ -116,7 +113,11 @@ std::optional<fs::path> find_model(const fs::path& wanted) {
   std::error_code no_link;
   const fs::path program = fs::read_symlink("/proc/self/exe", no_link);
   std::vector<fs::path> folders{fs::path("models")};
-  if (!no_link) folders.push_back(program.parent_path() / "models");
+  if (!no_link) {
+    const fs::path folder = program.parent_path();
+    folders.push_back(folder / "models");
+    folders.push_back(folder.parent_path() / "share/dkp-slam/models");
+  }
   const char* cache = std::getenv("XDG_CACHE_HOME");
   const char* home = std::getenv("HOME");
   if (cache != nullptr && *cache != '\0') {
@@ -131,7 +132,7 @@ std::optional<fs::path> find_model(const fs::path& wanted) {
 }
 
 std::string model_advice() {
-  return "scripts/fetch_model.sh gets one from "
+  return "scripts/fetch_model.sh (installed: dkp-slam-fetch-model) gets one from "
          "https://github.com/Megvii-BaseDetection/YOLOX/releases/tag/0.1.1rc0 "
          "(yolox_nano.onnx: sha256 "
          "c789161ed43c8269fcd4e67c67eeeb4e80c622da2eb296a20bc6007bd18a0b7d)";

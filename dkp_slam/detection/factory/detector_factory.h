@@ -6,24 +6,10 @@
 #include <string>
 
 #include "dkp_slam/detection/detector.h"
-#include "dkp_slam/detection/motion/motion_detector.h"
-#include "dkp_slam/detection/yolox/yolox_options.h"
+#include "dkp_slam/detection/options/detector_options.h"
 #include "dkp_slam/geometry/camera.h"
 
 namespace dkp_slam {
-
-enum class DetectorKind {
-  automatic,  ///< YOLOX where a model is found, else motion
-  yolox,
-  motion,
-  none,
-};
-
-struct DetectorOptions {
-  DetectorKind kind = DetectorKind::automatic;
-  YoloxOptions yolox;  ///< an empty model path is filled in by `find_model`
-  MotionDetectorOptions motion;
-};
 
 /// The detector of the options' kind; null for none. Logs which one runs and, where it is motion
 /// for want of a model, how to get one. Throws `Error` when a model was asked for (by kind, path or
@@ -38,7 +24,8 @@ std::unique_ptr<Detector> make_yolox_detector(const YoloxOptions& options);
 
 /// Path of the YOLOX model to use: `wanted` when it is not empty, else environment variable
 /// DKP_SLAM_MODEL, else the smallest of yolox_{nano,tiny,s,m,l,x}.onnx in models/ of the current
-/// folder, in models/ beside the program, or in ~/.cache/dkp-slam. Nothing when there is none.
+/// folder, in models/ beside the program, in ../share/dkp-slam/models (where an installation has
+/// it), or in ~/.cache/dkp-slam. Nothing when there is none.
 /// Throws `Error` when `wanted` or the variable names a file that does not exist.
 std::optional<std::filesystem::path> find_model(const std::filesystem::path& wanted = {});
 

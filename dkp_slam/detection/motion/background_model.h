@@ -12,6 +12,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct BackgroundOptions {
   /// Tolerance of the comparison: constant (metres), plus this many standard deviations of the
   /// depth noise. Wide, because colour and depth are up to 20 ms apart and lens models imperfect.
@@ -19,6 +21,9 @@ struct BackgroundOptions {
   double tolerance_sigmas = 4.0;
   float blend = 0.3F;  ///< share of the new reading when a point is seen again
   int max_age = 255;   ///< frames; older points count as this old
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// How a cell's depth compares with the model.

@@ -9,6 +9,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct EgoMotionOptions {
   /// Pixels of the half-size image; each block of this size gives its best corner. Even spread: the
   /// room keeps its say beside a person in a checked shirt. 16 gives up to 300 at 640 x 480.
@@ -26,6 +28,9 @@ struct EgoMotionOptions {
   double usual_shift = 0.01;
   double usual_turn = 0.005;
   int min_points = 12;  ///< fewer matches with depth give no motion
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 struct EgoMotion {

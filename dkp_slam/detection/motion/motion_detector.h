@@ -16,6 +16,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct MotionDetectorOptions {
   /// Cells in a row. 160: people at 5 m are still 15 cells wide, and a frame takes a few ms.
   int columns = 160;
@@ -41,6 +43,9 @@ struct MotionDetectorOptions {
   BackgroundOptions background;
   MotionEvidenceOptions evidence;
   MotionRegionOptions regions;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// The model-free detector: finds what moves by itself, whatever it is. No learning and no classes.

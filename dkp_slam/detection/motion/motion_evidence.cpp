@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
 
 namespace dkp_slam {
 namespace {

@@ -1,13 +1,19 @@
 #pragma once
 
 #include <opencv2/core.hpp>
-#include <opencv2/video/tracking.hpp>
 
 #include "dkp_slam/detection/motion/coarse_grid.h"
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/geometry/se3.h"
 
+// Named only, so that who includes this needs no headers of optical flow.
+namespace cv {
+class DISOpticalFlow;
+}
+
 namespace dkp_slam {
+
+class OptionList;
 
 struct MotionEvidenceOptions {
   /// Cells by which flow must miss the camera's own flow to count as motion: a constant (dense flow
@@ -21,6 +27,9 @@ struct MotionEvidenceOptions {
   /// flow before a cell counts as moving.
   float min_contrast = 4.0F;
   float depth_tolerance = 0.06F;  ///< share of the depth, for "in front of" and "behind"
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// What an earlier frame says about each cell of the current one.

@@ -9,6 +9,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct MotionRegionOptions {
   float seed = 2.0F;    ///< log-odds of motion from which a cell starts a region
   float grow = -1.0F;   ///< log-odds above which a cell may join a neighbour's region
@@ -22,6 +24,9 @@ struct MotionRegionOptions {
   float step_share = 0.015F;
   /// Smaller regions, as a share of the image, are dropped: noise at edges comes in such sizes.
   double min_share = 0.004;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Grows what moves to depth-connected regions: from cells with log-odds of at least the seed over

@@ -8,6 +8,7 @@
 
 #include "dkp_slam/detection/class_table.h"
 #include "dkp_slam/detection/detector.h"
+#include "dkp_slam/detection/yolox_options.h"
 
 namespace dkp_slam {
 
@@ -27,14 +28,6 @@ int row_count(const cv::Size& size);
 /// resized by one factor to fit `size`, at the top left, the rest `padding`. Returns the factor
 /// (input pixels per image pixel). `scratch` keeps its memory from call to call.
 float letterbox(const cv::Mat& image, const cv::Size& size, float* planes, cv::Mat& scratch);
-
-struct DecodeOptions {
-  /// Weaker boxes are dropped. Objects are continued down to this score and started on more.
-  float lowest_score = 0.10F;
-  /// Of two boxes of one class that overlap by more than this IoU the weaker one goes. The value
-  /// of YOLOX's own demo.
-  float nms_iou = 0.45F;
-};
 
 /// Boxes of `output` (`row_count(size)` rows of `row_length` floats) in pixels of an image of
 /// `image_size` that went in scaled by `factor`, clipped to it, strongest first. A row yields one

@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "dkp_slam/detection/yolox/yolox_options.h"
+#include "dkp_slam/detection/yolox_options.h"
 
 namespace dkp_slam {
 

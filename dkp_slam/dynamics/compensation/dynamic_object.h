@@ -8,13 +8,14 @@ namespace dkp_slam {
 struct DynamicObject {
   int id = 0;  ///< the same from frame to frame
   int class_id = -1;
-  cv::Rect2f box;              ///< pixels
-  float weight = 10.0F;        ///< W of its class
-  float score = 0.0F;          ///< of its newest detection
-  bool compensated = false;    ///< carried over from earlier frames, not detected in this one
-  double last_detected = 0.0;  ///< seconds, time stamp of its newest detection
-  float mean_depth = 0.0F;     ///< T, metres, over the mask; 0 when unknown
-  float mask_share = 0.0F;     ///< R, mask pixels over box pixels with known depth
+  cv::Rect2f box;               ///< pixels
+  float weight = 10.0F;         ///< W of its class
+  bool moves_by_itself = true;  ///< by its class, or seen to move: people, animals
+  float score = 0.0F;           ///< of its newest detection
+  bool compensated = false;     ///< carried over from earlier frames, not detected in this one
+  double last_detected = 0.0;   ///< seconds, time stamp of its newest detection
+  float mean_depth = 0.0F;      ///< T, metres, over the mask; 0 when unknown
+  float mask_share = 0.0F;      ///< R, mask pixels over box pixels with known depth
 };
 
 }  // namespace dkp_slam

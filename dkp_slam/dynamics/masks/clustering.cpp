@@ -12,6 +12,8 @@
 namespace dkp_slam {
 namespace {
 
+constexpr float typical_share = 0.5F;  // a person fills about half of the box
+
 bool flagged(const cv::Mat& mask, int x, int y) {
   return !mask.empty() && mask.at<std::uint8_t>(y, x) != 0;
 }
@@ -199,6 +201,40 @@ void add_crumbs(const Scene& scene, const ClusteringOptions& options, ObjectMask
   }
 }
 
+void open_mask(int radius, cv::Mat& mask) {
+  const int side = 2 * radius + 1;
+  cv::morphologyEx(mask, mask, cv::MORPH_OPEN,
+                   cv::getStructuringElement(cv::MORPH_RECT, {side, side}), {-1, -1}, 1,
+                   cv::BORDER_REPLICATE);
+}
+
+/// Algorithm 1 as it is printed; `inner` is the object's box in pixels of the view.
+ObjectMask cluster_as_printed(const DepthView& view, const cv::Rect& inner,
+                              const ObjectPrior& prior, const ClusteringOptions& options,
+                              std::uint64_t seed) {
+  float mean_depth = prior.mean_depth;
+  if (mean_depth <= 0.0F) {
+    mean_depth = dominant_near_mode(histogram_of(view, {}, central_half(inner)),
+                                    options.first_mode_share, 2.0 * options.join_distance);
+  }
+  if (mean_depth <= 0.0F) return {};
+  ObjectMask out;
+  const DepthInterval interval = object_interval(histogram_of(view, {}, inner), mean_depth,
+                                                 prior.share > 0.0F ? prior.share : typical_share,
+                                                 options, seed, &out.clusters);
+  out.area = inner;
+  out.mask = cv::Mat::zeros(out.area.size(), CV_8UC1);
+  for_each_pixel(out.area, [&](int x, int y) {
+    if (interval.holds(view.depth.at<float>(y, x))) {
+      out.mask.at<std::uint8_t>(y - out.area.y, x - out.area.x) = 255;
+    }
+  });
+  open_mask(options.opening, out.mask);
+  drop_small_blobs(out.mask, options.min_blob_share);
+  measure_mask(view, inner, out);
+  return out;
+}
+
 }  // namespace
 
 Scene make_scene(const DepthView& view, double focal_length, const std::vector<Plane>& planes,
@@ -223,61 +259,36 @@ Scene make_scene(const DepthView& view, double focal_length, const std::vector<P
 
 ObjectMask cluster_object(const Scene& scene, const cv::Rect2f& box, const ObjectPrior& prior,
                           const ClusteringOptions& options, std::uint64_t seed) {
-  ObjectMask out;
   const DepthView& view = scene.view;
   const cv::Rect inner = view_rect(box, view.depth.size());
   constexpr int min_side = 3;  // pixels of the view
-  if (inner.width < min_side || inner.height < min_side) return out;
-  const bool literal = options.mode == ClusteringMode::paper;
-  const DepthHistogram histogram = histogram_of(view, scene.planes, inner);
-  std::vector<Candidate> candidates;
-  int main = -1;
+  if (inner.width < min_side || inner.height < min_side) return {};
+  if (options.mode == ClusteringMode::paper)
+    return cluster_as_printed(view, inner, prior, options, seed);
+  const cv::Rect outer = grown(inner, options.growth, view.depth.size());
+  const std::vector<Candidate> candidates = find_candidates(scene.surfaces, inner, outer, prior);
+  const int main = main_candidate(scene.surfaces, candidates, inner, prior, options);
+  if (main < 0) return {};
+  ObjectMask out;
+  const Segment& surface =
+      scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment];
+  out.moving = surface.proved_moving();
+  out.still = surface.proved_still();
   float mean_depth = prior.mean_depth, share = prior.share;
-  if (literal) {
-    if (mean_depth <= 0.0F) {
-      mean_depth = dominant_near_mode(histogram_of(view, scene.planes, central_half(inner)),
-                                      options.first_mode_share, 2.0 * options.join_distance);
-    }
-  } else {
-    candidates = find_candidates(scene.surfaces, inner,
-                                 grown(inner, options.growth, view.depth.size()), prior);
-    main = main_candidate(scene.surfaces, candidates, inner, prior, options);
-    if (main < 0) return out;
-    const float seen =
-        scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].mean_depth;
-    out.moving =
-        scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].proved_moving();
-    out.still =
-        scene.surfaces.segments[candidates[static_cast<std::size_t>(main)].segment].proved_still();
-    // A prior that the main surface contradicts was about something else.
-    if (std::abs(seen - mean_depth) > static_cast<float>(options.join_distance)) {
-      mean_depth = seen;
-      share = 0.0F;
-    }
+  // A prior that the main surface contradicts was about something else.
+  if (std::abs(surface.mean_depth - mean_depth) > static_cast<float>(options.join_distance)) {
+    mean_depth = surface.mean_depth;
+    share = 0.0F;
   }
   if (mean_depth <= 0.0F) return out;
-  constexpr float typical_share = 0.5F;  // a person fills about half of the box
-  if (share <= 0.0F) share = typical_share;
   const DepthInterval interval =
-      object_interval(histogram, mean_depth, share, options, seed, &out.clusters);
-
-  out.area = literal ? inner : grown(inner, options.growth, view.depth.size());
+      object_interval(histogram_of(view, scene.planes, inner), mean_depth,
+                      share > 0.0F ? share : typical_share, options, seed, &out.clusters);
+  out.area = outer;
   out.mask = cv::Mat::zeros(out.area.size(), CV_8UC1);
-  if (literal) {
-    for_each_pixel(out.area, [&](int x, int y) {
-      if (interval.holds(view.depth.at<float>(y, x))) {
-        out.mask.at<std::uint8_t>(y - out.area.y, x - out.area.x) = 255;
-      }
-    });
-  } else {
-    paint_surfaces(scene, candidates, main, interval, options, out);
-  }
-  const int side = 2 * options.opening + 1;
-  cv::morphologyEx(out.mask, out.mask, cv::MORPH_OPEN,
-                   cv::getStructuringElement(cv::MORPH_RECT, {side, side}), {-1, -1}, 1,
-                   cv::BORDER_REPLICATE);
-  if (literal) drop_small_blobs(out.mask, options.min_blob_share);
-  if (!literal) add_crumbs(scene, options, out);
+  paint_surfaces(scene, candidates, main, interval, options, out);
+  open_mask(options.opening, out.mask);
+  add_crumbs(scene, options, out);
   measure_mask(view, inner, out);
   return out;
 }

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "dkp_slam/dynamics/masks/clustering.h"
-
 namespace dkp_slam {
 namespace {
 

@@ -2,11 +2,10 @@
 
 #include <cstdint>
 
+#include "dkp_slam/dynamics/masks/clustering_options.h"
 #include "dkp_slam/dynamics/masks/kmeans.h"
 
 namespace dkp_slam {
-
-struct ClusteringOptions;
 
 /// Metres, `high` exclusive. An unknown depth (0) is in none.
 struct DepthInterval {

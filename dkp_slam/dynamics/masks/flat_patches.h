@@ -9,6 +9,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct FlatPatchOptions {
   /// Half thickness of a flat patch, metres, at depth z: constant + quadratic * z^2, about 3 sigma
   /// of a Kinect. Clothes are not that flat, monitors are.
@@ -26,6 +28,9 @@ struct FlatPatchOptions {
   double max_widening = 1.08;
   int iterations = 60;
   int max_per_segment = 2;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Flat patches in the segments, 255 in a CV_8UC1 of the view's size: a monitor at the same depth

@@ -11,6 +11,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 /// Plane normal . X = distance in the camera frame; unit normal, metres.
 struct Plane {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
@@ -35,6 +37,9 @@ struct PlaneOptions {
   /// goes with it.
   double removal_margin = 0.02;
   double slope_error = 0.45;  ///< rise over run by which a surface on the plane may lean off it
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Points, each with the distance by which it may lie off a plane: RANSAC asks again and again how

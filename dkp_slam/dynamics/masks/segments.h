@@ -9,6 +9,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct SegmentOptions {
   /// Depth step between neighbouring pixels that still belong to one surface, metres at depth z:
   /// constant + quadratic * z^2, which grows as a Kinect's noise and rounding do.
@@ -19,6 +21,9 @@ struct SegmentOptions {
   double flat_constant = 0.010;
   double flat_quadratic = 0.0012;
   int flat_area = 300;  ///< pixels of the view: smaller pieces of a body may well be flat
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// A piece of surface without a step in depth.

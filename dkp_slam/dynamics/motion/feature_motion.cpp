@@ -151,10 +151,10 @@ std::optional<CameraMotion> FeatureMotionEstimator::camera_motion(
                          seed);
 }
 
-void FeatureMotionEstimator::compensate(const cv::Mat& depth,
-                                        const std::vector<cv::Point2f>& points,
-                                        const std::vector<std::uint8_t>& low, std::uint64_t seed,
-                                        FeatureMotion& motion) {
+void FeatureMotionEstimator::measure_ego_motion(const cv::Mat& depth,
+                                                const std::vector<cv::Point2f>& points,
+                                                const std::vector<std::uint8_t>& low,
+                                                std::uint64_t seed, FeatureMotion& motion) {
   Se3 guess;  // the camera goes on as it moved before
   if (steps_.size() > 1 && steps_[1].previous_from_this) guess = *steps_[1].previous_from_this;
   motion.camera_motion = camera_motion(depth, points, low, guess, options_.motion, seed, motion);

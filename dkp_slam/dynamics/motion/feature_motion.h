@@ -13,18 +13,26 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct FeatureMotionOptions {
   FlowOptions flow;
   MotionOptions motion;
-  /// The longer baseline, seconds: somebody who sways at 5 cm/s a metre away moves 1 px from one
-  /// frame to the next, which is noise, and 3 px in this time.
+  /// The long baseline, seconds: a person who sways at 5 cm/s a metre away moves 1 px from one
+  /// frame to the next (the short baseline), which is noise, and 3 px in this time.
   double long_baseline = 0.13;
   /// Colour and depth of one frame are up to this share of a frame interval apart (20 of 33 ms with
   /// a freiburg1 camera): where there is an edge within that much of the flow, depth may be of
   /// either side.
   double depth_lag = 0.6;
   double max_lag_pixels = 8.0;  ///< and no farther than this, or everything has two depths
-  int min_low_points = 30;      ///< fewer outside the boxes: all points give the camera motion
+  int min_low_points = 30;      ///< fewer outside the boxes: all points give the ego-motion
+  /// Features outside boxes from which the ego-motion is measured; with fewer, what lies on the
+  /// static planes in boxes helps.
+  int enough_outside = 150;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// What flow says about the features of the newest frame. Vectors run parallel to the features.
@@ -35,7 +43,7 @@ struct FeatureMotion {
   std::optional<CameraMotion> camera_motion;
   bool from_low_points = false;      ///< camera_motion rests on what lies outside the boxes alone
   std::vector<float> residual;       ///< pixels off the static prediction, NaN where unknown
-  std::vector<float> long_residual;  ///< the same over the longer baseline
+  std::vector<float> long_residual;  ///< the same over the long baseline
 };
 
 /// Follows features over recent frames and compares them with a static world.
@@ -52,8 +60,9 @@ class FeatureMotionEstimator {
   /// measured, else that of the frame before, else none.
   Se3 current_from_previous() const;
   /// Fills camera_motion from the features flagged low, and `residual`.
-  void compensate(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
-                  const std::vector<std::uint8_t>& low, std::uint64_t seed, FeatureMotion& motion);
+  void measure_ego_motion(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                          const std::vector<std::uint8_t>& low, std::uint64_t seed,
+                          FeatureMotion& motion);
   /// Fills `long_residual` of the features flagged `wanted` that have a depth.
   void look_back(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                  const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;

@@ -8,6 +8,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct FlowOptions {
   /// Pixels; larger windows straddle outlines of people. OpenCV takes eight columns at a time and
   /// the rest one by one: 16 x 16 takes 60% of the time of 15 x 15, and 12 rows do as well.
@@ -18,6 +20,9 @@ struct FlowOptions {
   /// Largest distance of a point tracked there and back from where it began, pixels.
   double forward_backward = 1.0;
   int history = 5;  ///< earlier frames that are kept
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Where the points of the newest frame were in an earlier one.

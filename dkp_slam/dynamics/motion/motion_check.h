@@ -11,12 +11,17 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct MotionOptions {
   int iterations = 100;            ///< three-point samples
   int max_scored = 300;            ///< points a sample is scored on
   double inlier_distance = 2.0;    ///< pixels: LK's noise plus the depth's at short range
   int min_points = 12;             ///< fewer say nothing about six unknowns
   double min_inlier_share = 0.35;  ///< of the points: below it the motion is not believed
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// A point of the current frame and where flow found it in an earlier one.

@@ -8,12 +8,17 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct EpipolarOptions {
   double inlier_distance = 1.0;  ///< pixels, of the 7-point RANSAC
   double confidence = 0.99;
   int max_iterations = 300;
   /// Fewer matches in low regions than this: all matches are used (algorithm.md, §3.5).
   int min_low_matches = 30;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// Matched undistorted pixels of the earlier and the current frame.

@@ -5,15 +5,6 @@
 
 namespace dkp_slam {
 
-/// How dynamic points are removed; the ablation of the paper's Table 6 and ours.
-enum class DynamicsMode {
-  off,       ///< nothing is removed: the plain RGB-D SLAM baseline
-  d,         ///< all features in boxes go; missed detections are compensated
-  dk,        ///< all features in the clustered masks go
-  dkp,       ///< the paper: region weight times epipolar distance (Algorithm 2)
-  dkp_plus,  ///< ours: algorithm.md, "Beyond that"
-};
-
 /// Where a feature lies (paper §3.5 step 1).
 enum class Region : std::uint8_t {
   low,         ///< outside every box
@@ -26,9 +17,9 @@ struct FeatureDynamics {
   Region region = Region::low;
   bool is_static = true;
   bool tracked = false;  ///< optical flow found it in the previous frame, forward and backward
-  float weight = 1.0F;   ///< W, Eq. 6; told in mode dkp alone
+  float weight = 1.0F;   ///< W, Eq. 6; told by the epipolar rule alone
   /// D of Eq. 5, pixels; NaN where the feature was not tracked or there was no fundamental matrix,
-  /// and in all modes but dkp.
+  /// and under all rules but the epipolar one.
   float epipolar_distance = std::numeric_limits<float>::quiet_NaN();
   /// Distance, pixels, from where a static point would have moved; NaN where it cannot be told.
   float motion_residual = std::numeric_limits<float>::quiet_NaN();

@@ -6,15 +6,12 @@
 #include <opencv2/imgproc.hpp>
 
 namespace dkp_slam {
-namespace {
 
 int label_at(const cv::Mat& labels, const cv::Point2f& p) {
   const int x = std::clamp(cvRound(p.x), 0, labels.cols - 1);
   const int y = std::clamp(cvRound(p.y), 0, labels.rows - 1);
   return labels.at<std::uint8_t>(y, x);
 }
-
-}  // namespace
 
 float object_weight(float class_weight, const RegionOptions& options) {
   const float share = std::clamp((class_weight - 1.0F) / 9.0F, 0.0F, 1.0F);

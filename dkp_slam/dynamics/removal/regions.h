@@ -8,6 +8,8 @@
 
 namespace dkp_slam {
 
+class OptionList;
+
 struct RegionOptions {
   float weight_low = 1.0F;  ///< W of low regions
   /// W in the mask of an object whose class weight is 10; classes below scale with it. The paper's
@@ -16,6 +18,9 @@ struct RegionOptions {
   /// Eq. 6 as printed, which gives the low weight at the mask's edge and the high one far from it
   /// and so contradicts its own text. Default: the other way round.
   bool printed_equation = false;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
 /// W of an object's mask for the weight (1 to 10) of its class.
@@ -30,7 +35,11 @@ float suspicious_weight(float distance, float max_distance, float suspicious_sha
 struct ObjectRegions {
   cv::Rect2f box;        ///< pixels
   float weight = 10.0F;  ///< W of its class
+  bool moves_by_itself = true;
 };
+
+/// Label (CV_8UC1) at a raw pixel, which may lie just outside the image.
+int label_at(const cv::Mat& labels, const cv::Point2f& pixel);
 
 /// Region of every keypoint (raw pixels). `labels` is CV_8UC1, image size: 0 outside the masks,
 /// i + 1 in the mask of objects[i].

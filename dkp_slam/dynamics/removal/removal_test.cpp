@@ -1,8 +1,9 @@
-#include "dkp_slam/dynamics/removal/removal.h"
-
 #include <gtest/gtest.h>
 
+#include "dkp_slam/dynamics/removal/epipolar_rule.h"
+#include "dkp_slam/dynamics/removal/region_rules.h"
 #include "dkp_slam/dynamics/removal/regions.h"
+#include "dkp_slam/dynamics/removal/residual_rule.h"
 
 namespace dkp_slam {
 namespace {
@@ -17,12 +18,14 @@ FeatureDynamics feature(Region region, float weight, float d, float residual) {
   return f;
 }
 
-bool is_static(DynamicsMode mode, FeatureDynamics f, float object_weight) {
-  std::vector<FeatureDynamics> features{f};
-  FeatureEvidence evidence;
-  evidence.object_weight = object_weight;
-  classify(mode, {}, {evidence}, features);
-  return features[0].is_static;
+bool by_epipolar(const FeatureDynamics& f) {
+  return EpipolarRule({}, {}, RemovalOptions{}.epsilon).is_static(f);
+}
+
+bool by_residual(const FeatureDynamics& f, bool self_moving) {
+  ResidualRule::Evidence evidence;
+  evidence.self_moving = self_moving;
+  return ResidualRule({}).is_static(f, evidence);
 }
 
 TEST(Regions, EquationSixAsMeantAndAsPrinted) {
@@ -54,38 +57,74 @@ TEST(Regions, FollowBoxAndMask) {
   EXPECT_FLOAT_EQ(features[3].weight, 1.0F);
 }
 
-TEST(Removal, ModesOfTableSix) {
-  const FeatureDynamics low = feature(Region::low, 1.0F, 0.2F, 0.2F);
-  const FeatureDynamics suspicious = feature(Region::suspicious, 2.0F, 0.2F, 0.2F);
-  const FeatureDynamics high = feature(Region::high, 4.0F, 0.3F, 3.0F);
-  for (const auto mode : {DynamicsMode::off, DynamicsMode::d, DynamicsMode::dk, DynamicsMode::dkp,
-                          DynamicsMode::dkp_plus}) {
-    EXPECT_TRUE(is_static(mode, low, 0.0F));
-    EXPECT_EQ(is_static(mode, suspicious, 10.0F), mode != DynamicsMode::d);
-    EXPECT_EQ(is_static(mode, high, 10.0F), mode == DynamicsMode::off);
+/// A person's box with a mask in it and a chair's box with one, and a feature in each place.
+class Rules : public ::testing::Test {
+ protected:
+  Rules() {
+    labels_(cv::Rect(120, 120, 60, 60)) = 1;
+    labels_(cv::Rect(420, 120, 60, 60)) = 2;
+    features_.resize(points_.size());
+    motion_.residual.assign(points_.size(), 0.2F);
+    motion_.long_residual.assign(points_.size(), 0.2F);
+    assign_regions(points_, objects_, labels_, features_);
   }
+  std::vector<bool> kept_by(const FeatureClassifier& rule) {
+    for (FeatureDynamics& f : features_) {
+      f.tracked = true;
+      f.motion_residual = 0.2F;
+    }
+    rule.classify({points_, objects_, labels_, motion_}, features_);
+    std::vector<bool> kept;
+    for (const FeatureDynamics& f : features_) kept.push_back(f.is_static);
+    return kept;
+  }
+
+  // In the person's mask, at its outline, in the box beside it; the same of the chair; outside.
+  const std::vector<cv::Point2f> points_ = {{150, 150}, {181, 150}, {240, 240}, {450, 150},
+                                            {481, 150}, {540, 240}, {300, 400}};
+  const std::vector<ObjectRegions> objects_ = {{{100, 100, 150, 150}, 10.0F, true},
+                                               {{400, 100, 150, 150}, 4.0F, false}};
+  cv::Mat labels_ = cv::Mat::zeros(480, 640, CV_8UC1);
+  std::vector<FeatureDynamics> features_;
+  FeatureMotion motion_;
+};
+
+TEST_F(Rules, BoxesOfWhatMovesByItselfGo) {
+  EXPECT_EQ(kept_by(BoxRule()), (std::vector<bool>{false, false, false, true, true, true, true}));
+}
+
+TEST_F(Rules, MasksOfWhatMovesByItselfGo) {
+  EXPECT_EQ(kept_by(MaskRule()), (std::vector<bool>{false, true, true, true, true, true, true}));
+}
+
+TEST_F(Rules, ResidualsDecideOutsideMasksAndTheirOutlines) {
+  const ResidualRule rule({});
+  EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, true, false, false, true, true}));
+  motion_.long_residual[2] = 3.0F;
+  EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, false, false, false, true, true}));
 }
 
 TEST(Removal, PaperWeighsTheEpipolarDistance) {
-  EXPECT_TRUE(is_static(DynamicsMode::dkp, feature(Region::high, 4.0F, 0.2F, 9.0F), 10.0F));
-  EXPECT_FALSE(is_static(DynamicsMode::dkp, feature(Region::high, 4.0F, 0.3F, 0.0F), 10.0F));
-  EXPECT_FALSE(is_static(DynamicsMode::dkp, feature(Region::low, 1.0F, 1.2F, 0.0F), 0.0F));
+  EXPECT_TRUE(by_epipolar(feature(Region::high, 4.0F, 0.2F, 9.0F)));
+  EXPECT_FALSE(by_epipolar(feature(Region::high, 4.0F, 0.3F, 0.0F)));
+  EXPECT_TRUE(by_epipolar(feature(Region::suspicious, 2.0F, 0.3F, 0.0F)));
+  EXPECT_FALSE(by_epipolar(feature(Region::low, 1.0F, 1.2F, 0.0F)));
 }
 
 TEST(Removal, WhatFlowCannotFollowGoesInsideBoxesOnly) {
   FeatureDynamics lost;
   lost.region = Region::low;
-  EXPECT_TRUE(is_static(DynamicsMode::dkp, lost, 0.0F));
-  EXPECT_TRUE(is_static(DynamicsMode::dkp_plus, lost, 0.0F));
+  EXPECT_TRUE(by_epipolar(lost));
+  EXPECT_TRUE(by_residual(lost, false));
   lost.region = Region::suspicious;
-  EXPECT_FALSE(is_static(DynamicsMode::dkp, lost, 10.0F));
-  EXPECT_FALSE(is_static(DynamicsMode::dkp_plus, lost, 10.0F));
+  EXPECT_FALSE(by_epipolar(lost));
+  EXPECT_FALSE(by_residual(lost, true));
 }
 
 TEST(Removal, ThingsLoseOnlyTheirMovingPoints) {
-  EXPECT_TRUE(is_static(DynamicsMode::dkp_plus, feature(Region::suspicious, 2, 0, 0.4F), 4.0F));
-  EXPECT_FALSE(is_static(DynamicsMode::dkp_plus, feature(Region::suspicious, 2, 0, 2.5F), 4.0F));
-  EXPECT_TRUE(is_static(DynamicsMode::dk, feature(Region::high, 2, 0, 0.4F), 4.0F));
+  EXPECT_TRUE(by_residual(feature(Region::suspicious, 2, 0, 0.4F), false));
+  EXPECT_FALSE(by_residual(feature(Region::suspicious, 2, 0, 2.5F), false));
+  EXPECT_FALSE(by_residual(feature(Region::low, 1, 0, 2.5F), false));
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/synth/figure/figure_textures.h"
 #include "dkp_slam/synth/mesh/patterns.h"
 
 namespace dkp_slam {

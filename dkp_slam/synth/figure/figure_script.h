@@ -1,9 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
-#include "dkp_slam/synth/figure/figure.h"
+#include "dkp_slam/synth/figure/figure_options.h"
 
 namespace dkp_slam {
 

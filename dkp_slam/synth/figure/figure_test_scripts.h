@@ -1,6 +1,6 @@
 #pragma once
 
-#include "dkp_slam/synth/figure/figure.h"
+#include "dkp_slam/synth/figure/figure_options.h"
 
 namespace dkp_slam {
 

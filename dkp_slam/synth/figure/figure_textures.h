@@ -13,9 +13,6 @@ struct FigureTextures {
   std::shared_ptr<const Texture> trunk, sleeves, pelvis, legs, shoes, head, hair, skin;
 };
 
-/// `add_octaves` whose left and right edges meet.
-void add_wrapped_octaves(cv::RNG& rng, cv::Mat* image, double amplitude, cv::Size coarsest_cells);
-
 /// Same look, same bytes.
 FigureTextures paint_figure(const FigureLook& look);
 

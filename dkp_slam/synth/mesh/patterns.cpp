@@ -242,4 +242,20 @@ cv::Mat head_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& skin, const 
   return image;
 }
 
+void add_wrapped_octaves(cv::RNG& rng, cv::Mat* image, double amplitude, cv::Size coarsest_cells) {
+  cv::Mat noise(image->size(), CV_8UC3, cv::Scalar::all(128)), mirrored, mixed;
+  add_octaves(rng, &noise, amplitude, coarsest_cells);
+  // Towards the right edge it becomes its mirror image, which ends as the left edge starts.
+  cv::flip(noise, mirrored, 1);
+  const int first = noise.cols * 3 / 4;
+  for (int x = first; x < noise.cols; ++x) {
+    const double share = static_cast<double>(x - first) / (noise.cols - first);
+    cv::addWeighted(noise.col(x), 1.0 - share, mirrored.col(x), share, 0.0, mixed);
+    mixed.copyTo(noise.col(x));
+  }
+  cv::Mat sum;
+  cv::add(*image, noise, sum, cv::noArray(), CV_16S);
+  sum.convertTo(*image, CV_8U, 1.0, -128.0);
+}
+
 }  // namespace dkp_slam

@@ -23,5 +23,7 @@ cv::Mat cloth_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& colour);
 cv::Mat head_pattern(cv::RNG& rng, cv::Size size, const cv::Scalar& skin, const cv::Scalar& hair);
 /// Adds noise of several octaves, `amplitude` grey levels strong, in place.
 void add_octaves(cv::RNG& rng, cv::Mat* image, double amplitude, cv::Size coarsest_cells = {8, 8});
+/// The same, its left and right edges meeting.
+void add_wrapped_octaves(cv::RNG& rng, cv::Mat* image, double amplitude, cv::Size coarsest_cells);
 
 }  // namespace dkp_slam

@@ -6,9 +6,10 @@
 
 #include <opencv2/core.hpp>
 
+#include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/synth/light/light_map.h"
 #include "dkp_slam/synth/render/edge_marks.h"
-#include "dkp_slam/synth/render/renderer.h"
+#include "dkp_slam/synth/render/rendering.h"
 #include "dkp_slam/synth/render/shading.h"
 #include "dkp_slam/synth/tracing/actor_reach.h"
 #include "dkp_slam/synth/tracing/embree_scene.h"

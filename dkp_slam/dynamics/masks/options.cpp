@@ -1,0 +1,113 @@
+#include "dkp_slam/config/option_list.h"
+#include "dkp_slam/dynamics/masks/clustering.h"
+#include "dkp_slam/dynamics/masks/static_planes.h"
+
+namespace dkp_slam {
+
+void PlaneOptions::describe(OptionList& list) {
+  list.add("max_planes", max_planes, between(0, 100), "", "found in one frame");
+  list.add("min_share", min_share, between(0, 1), "", "of the points; smaller planes are things");
+  list.add("min_extent", min_extent, at_least(0), "metres", "of a plane along its longer axis");
+  list.add("min_width", min_width, at_least(0), "metres", "of a plane across");
+  list.add("thickness_constant", thickness_constant, at_least(0), "metres",
+           "half thickness of a plane at no depth");
+  list.add("thickness_quadratic", thickness_quadratic, at_least(0), "1/metre",
+           "half thickness that depth squared adds");
+  list.add("iterations", iterations, between(1, 100000), "", "of RANSAC");
+  list.add("removal_margin", removal_margin, at_least(0), "metres",
+           "added to the thickness when pixels are removed");
+  list.add("slope_error", slope_error, at_least(0), "",
+           "rise over run by which a surface on the plane may lean off it");
+}
+
+void PlaneOptions::check() const { check_options(*this); }
+
+void SegmentOptions::describe(OptionList& list) {
+  list.add("step_constant", step_constant, at_least(0), "metres",
+           "depth step between neighbours of one surface, at no depth");
+  list.add("step_quadratic", step_quadratic, at_least(0), "1/metre",
+           "step that depth squared adds");
+  list.add("flat_constant", flat_constant, at_least(0), "metres",
+           "off its plane for a flat surface (root mean square), at no depth");
+  list.add("flat_quadratic", flat_quadratic, at_least(0), "1/metre", "that depth squared adds");
+  list.add("flat_area", flat_area, at_least(0), "pixels of the view",
+           "smaller pieces are not called flat");
+}
+
+void SegmentOptions::check() const { check_options(*this); }
+
+void FlatPatchOptions::describe(OptionList& list) {
+  list.add("thickness_constant", thickness_constant, at_least(0), "metres",
+           "half thickness of a flat patch at no depth");
+  list.add("thickness_quadratic", thickness_quadratic, at_least(0), "1/metre",
+           "half thickness that depth squared adds");
+  list.add("max_depth", max_depth, above(0), "metres", "beyond it nothing can be told");
+  list.add("min_area", min_area, at_least(0), "square metres", "facing the camera");
+  list.add("max_bulge", max_bulge, at_least(0), "",
+           "from the middle to the edge, share of the half thickness");
+  list.add("doubtful_bulge", doubtful_bulge, at_least(0), "",
+           "above it the patch must end sharply");
+  list.add("max_widening", max_widening, at_least(1), "",
+           "times its pixels at twice the thickness, where it ends sharply");
+  list.add("iterations", iterations, between(1, 100000), "", "of RANSAC");
+  list.add("max_per_segment", max_per_segment, at_least(0), "", "patches of one surface");
+}
+
+void FlatPatchOptions::check() const { check_options(*this); }
+
+void ClusteringOptions::describe(OptionList& list) {
+  list.add("mode", mode,
+           {{ClusteringMode::adaptive, "adaptive"},
+            {ClusteringMode::paper, "paper"},
+            {ClusteringMode::band, "band"}},
+           "K from the object's thickness, Eq. 1 to the letter, or no clusters");
+  list.add("min_clusters", min_clusters, between(1, 100), "", "K at least");
+  list.add("max_clusters", max_clusters, between(1, 100), "", "K at most");
+  list.add("join_distance", join_distance, at_least(0), "metres",
+           "clusters whose centres lie this near to the chosen one belong to it");
+  list.add("band", band, at_least(0), "metres", "to each side of T, mode band");
+  list.add("raw_depth_scale", raw_depth_scale, above(0), "1/metre",
+           "depth units of Eq. 1, mode paper");
+  list.add("remove_planes", remove_planes, "cut the static planes out of the mask");
+  list.add_part("planes", planes, "of one frame, by RANSAC");
+  list.add("opening", opening, between(0, 50), "pixels of the view",
+           "radius that speckles fall to");
+  list.add("min_blob_share", min_blob_share, between(0, 1), "",
+           "of the mask; smaller pieces of it go");
+  list.add("growth", growth, at_least(0), "",
+           "share of the box's sides by which the mask may grow out of it");
+  list.add("first_mode_share", first_mode_share, between(0, 1), "",
+           "of a box's central half that a depth mode needs at first sight");
+  list.add_part("segments", segments, "surfaces without a step in depth");
+  list.add_part("flat_patches", flat_patches, "in a surface: monitors beside people");
+  list.add("inside_share", inside_share, between(0, 1), "",
+           "of a surface that lies in the box, to be a part of the object");
+  list.add("crumb_area", crumb_area, at_least(0), "pixels of the view",
+           "of small surfaces that join the mask beside them");
+  list.add("crumb_step", crumb_step, at_least(0), "metres", "in depth between them and the mask");
+  list.add("crumb_reach", crumb_reach, between(0, 50), "pixels of the view",
+           "between them and the mask");
+  list.order("min_clusters", "max_clusters");
+}
+
+void ClusteringOptions::check() const { check_options(*this); }
+
+void StaticPlanesOptions::describe(OptionList& list) {
+  list.add("memory", memory, at_least(0), "seconds",
+           "that a plane is remembered after it was last found");
+  list.add("proof", proof, at_least(0), "seconds",
+           "over which a plane must have been found to be remembered");
+  list.add("large_proof", large_proof, at_least(0), "seconds", "the same, of a large plane");
+  list.add("large_extent", large_extent, at_least(0), "metres", "of a large plane");
+  list.add("large_width", large_width, at_least(0), "metres", "of a large plane, across");
+  list.add("min_support", min_support, between(0, 1), "",
+           "of the view's depth on a plane that stays");
+  list.add("most_turn", most_turn, at_least(0), "radians", "by which a plane is fitted anew");
+  list.add("most_shift", most_shift, at_least(0), "metres", "by which a plane is fitted anew");
+  list.add("same_turn", same_turn, at_least(0), "radians", "between two planes that are one");
+  list.add("same_shift", same_shift, at_least(0), "metres", "between two planes that are one");
+}
+
+void StaticPlanesOptions::check() const { check_options(*this); }
+
+}  // namespace dkp_slam

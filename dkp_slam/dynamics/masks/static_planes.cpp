@@ -1,0 +1,82 @@
+#include "dkp_slam/dynamics/masks/static_planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dkp_slam {
+namespace {
+
+/// Within `turn` radians and `shift` metres of each other, at the place nearest to the camera.
+bool alike(const Plane& a, const Plane& b, double turn, double shift) {
+  const auto cosine = static_cast<double>(a.normal.dot(b.normal));
+  const float side = cosine < 0.0 ? -1.0F : 1.0F;
+  return std::abs(cosine) > std::cos(turn) &&
+         static_cast<double>(std::abs(a.distance - side * b.distance)) < shift;
+}
+
+}  // namespace
+
+void StaticPlanes::move(const Se3& current_from_previous) {
+  const Eigen::Matrix3f rotation = current_from_previous.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f translation = current_from_previous.translation.cast<float>();
+  for (Known& k : known_) {
+    k.plane.normal = rotation * k.plane.normal;
+    k.plane.distance += k.plane.normal.dot(translation);
+  }
+}
+
+std::vector<Plane> StaticPlanes::planes() const {
+  std::vector<Plane> out;
+  for (const Known& k : known_) {
+    const double needed = k.large ? options_.large_proof : options_.proof;
+    const bool proved = k.last_found - k.first_found >= needed;
+    if (proved || k.last_found >= time_) out.push_back(k.plane);
+  }
+  return out;
+}
+
+bool StaticPlanes::adapt(const DepthView& view, Plane& plane) const {
+  std::vector<Eigen::Vector3f> on;
+  int known = 0;
+  constexpr int stride = 6;  // about 2,000 points of a 640x480 image
+  for (int y = stride / 2; y < view.depth.rows; y += stride) {
+    for (int x = stride / 2; x < view.depth.cols; x += stride) {
+      known += view.depth.at<float>(y, x) > 0.0F;
+      if (runs_along(view, plane, x, y, plane_options_)) on.push_back(view.point(x, y));
+    }
+  }
+  if (static_cast<double>(on.size()) < options_.min_support * known) return false;
+  constexpr std::size_t least = 30;  // points: fewer do not fix a plane's slope
+  if (on.size() < least) return !on.empty();
+  const Plane fitted = fit_plane(on);
+  if (alike(fitted, plane, options_.most_turn, options_.most_shift)) plane = fitted;
+  return true;
+}
+
+bool StaticPlanes::is_large(const Plane& plane) const {
+  return static_cast<double>(plane.extent) >= options_.large_extent &&
+         static_cast<double>(plane.width) >= options_.large_width;
+}
+
+void StaticPlanes::update(const DepthView& view, const std::vector<Plane>& found, double time) {
+  time_ = time;
+  std::vector<Known> now;
+  for (const Plane& p : found) {
+    Known fresh{p, time, time, is_large(p)};
+    for (const Known& k : known_) {
+      if (!alike(k.plane, p, options_.same_turn, options_.same_shift)) continue;
+      fresh.first_found = std::min(fresh.first_found, k.first_found);
+      fresh.large = fresh.large || k.large;
+    }
+    now.push_back(fresh);
+  }
+  for (Known& k : known_) {
+    const bool again = std::any_of(found.begin(), found.end(), [&](const Plane& p) {
+      return alike(k.plane, p, options_.same_turn, options_.same_shift);
+    });
+    if (!again && time - k.last_found <= options_.memory && adapt(view, k.plane)) now.push_back(k);
+  }
+  known_ = std::move(now);
+}
+
+}  // namespace dkp_slam

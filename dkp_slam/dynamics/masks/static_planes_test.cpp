@@ -1,0 +1,119 @@
+#include "dkp_slam/dynamics/masks/static_planes.h"
+
+#include <gtest/gtest.h>
+
+namespace dkp_slam {
+namespace {
+
+constexpr float table_height = 0.6F;  // metres below the camera
+
+Camera test_camera() {
+  Camera camera;
+  camera.fx = camera.fy = 525.0;
+  camera.cx = 319.5;
+  camera.cy = 239.5;
+  return camera;
+}
+
+Plane table(float below = table_height) { return {Eigen::Vector3f::UnitY(), below}; }
+
+/// A table below the camera that ends `to_column`; beyond it, and above, a wall 3 m away.
+DepthView view_of_table(int to_column, float below = table_height) {
+  cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(3.0F));
+  const Camera camera = test_camera();
+  for (int v = 0; v < 480; ++v) {
+    for (int u = 0; u < to_column; ++u) {
+      const double slope = camera.unproject({double(u), double(v)}, 1.0).y();
+      if (slope > 0.0) depth.at<float>(v, u) = std::min(3.0F, below / static_cast<float>(slope));
+    }
+  }
+  return make_depth_view(depth, depth_view_rays(camera));
+}
+
+/// Has found the table for long enough, at last at time 0.
+StaticPlanes planes_with_table() {
+  StaticPlanes known({}, {});
+  known.update(view_of_table(640), {table()}, -1.0);
+  known.update(view_of_table(640), {table()}, 0.0);
+  return known;
+}
+
+TEST(StaticPlanes, GoAlongWithTheCamera) {
+  StaticPlanes known = planes_with_table();
+  // The camera rises by 10 cm: what was 60 cm below is 70 cm below.
+  Se3 motion;
+  motion.translation = {0.0, 0.1, 0.0};
+  known.move(motion);
+  ASSERT_EQ(known.planes().size(), 1U);
+  EXPECT_NEAR(known.planes()[0].distance, 0.7, 1e-6);
+  // It rolls by a quarter turn: down is now to the left.
+  Vector6d roll = Vector6d::Zero();
+  roll[5] = 1.5707963267948966;
+  known.move(Se3::exp(roll));
+  EXPECT_NEAR(known.planes()[0].normal.x(), -1.0, 1e-5);
+  EXPECT_NEAR(known.planes()[0].distance, 0.7, 1e-5);
+}
+
+TEST(StaticPlanes, AreRememberedWhileSomebodyHidesMostOfThem) {
+  const DepthView corner = view_of_table(100);
+  EXPECT_TRUE(fit_planes(corner, {}, {}, 1).size() <= 1U);  // the wall alone
+  StaticPlanes known = planes_with_table();
+  known.update(corner, {}, 1.0);
+  ASSERT_EQ(known.planes().size(), 1U);
+  EXPECT_TRUE(runs_along(corner, known.planes()[0], 20, 200, {}));
+  EXPECT_FALSE(runs_along(corner, known.planes()[0], 200, 200, {}));
+}
+
+TEST(StaticPlanes, AreForgottenWhenNotSeenOrNotFoundForLong) {
+  StaticPlanes known = planes_with_table();
+  known.update(view_of_table(0), {}, 0.1);  // the wall is all there is
+  EXPECT_TRUE(known.planes().empty());
+  known = planes_with_table();
+  known.update(view_of_table(640), {}, 1.9);
+  EXPECT_EQ(known.planes().size(), 1U);
+  known.update(view_of_table(640), {}, 2.1);
+  EXPECT_TRUE(known.planes().empty());
+}
+
+TEST(StaticPlanes, WhatWasFlatForAMomentIsNotRemembered) {
+  StaticPlanes known({}, {});
+  known.update(view_of_table(640), {table()}, 0.0);
+  EXPECT_EQ(known.planes().size(), 1U);
+  known.update(view_of_table(640), {table()}, 0.4);
+  known.update(view_of_table(640), {}, 0.5);
+  EXPECT_TRUE(known.planes().empty());
+  known.update(view_of_table(640), {table()}, 0.6);  // the third time, in the same place
+  known.update(view_of_table(640), {}, 0.7);
+  EXPECT_EQ(known.planes().size(), 1U);
+}
+
+TEST(StaticPlanes, LargeOnesAreRememberedAlmostAtOnce) {
+  Plane floor = table();
+  floor.extent = 2.5F;
+  floor.width = 1.2F;
+  StaticPlanes known({}, {});
+  known.update(view_of_table(640), {floor}, 0.0);
+  known.update(view_of_table(640), {}, 0.03);  // once is chance
+  EXPECT_TRUE(known.planes().empty());
+  known.update(view_of_table(640), {table()}, 0.12);  // and need not look that large again
+  known.update(view_of_table(640), {}, 0.15);
+  EXPECT_EQ(known.planes().size(), 1U);
+}
+
+TEST(StaticPlanes, TakeTheNewerOfTwoThatAreOne) {
+  StaticPlanes known = planes_with_table();
+  const Plane again{-Eigen::Vector3f::UnitY(), -0.61F};  // the normal's sign means nothing
+  known.update(view_of_table(640), {again}, 0.1);
+  ASSERT_EQ(known.planes().size(), 1U);
+  EXPECT_FLOAT_EQ(known.planes()[0].distance, -0.61F);
+}
+
+TEST(StaticPlanes, AdaptToWhatIsSeen) {
+  StaticPlanes known = planes_with_table();
+  known.update(view_of_table(200, 0.61F), {}, 0.1);  // a centimetre off, as after a poor motion
+  ASSERT_EQ(known.planes().size(), 1U);
+  EXPECT_NEAR(std::abs(known.planes()[0].distance), 0.61, 0.002);
+}
+
+}  // namespace
+}  // namespace dkp_slam

@@ -1,0 +1,52 @@
+#include "dkp_slam/dynamics/object_masks.h"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace dkp_slam {
+namespace {
+
+/// False when an object that the detector missed is not to be found in the depth either.
+bool cut_object(const MaskCutter& cutter, const Scene& scene, std::uint64_t seed,
+                ObjectTracker& objects, std::size_t index) {
+  const ObjectTracker::Tracked& t = objects.objects()[index];
+  if (!t.object.moves_by_itself) return true;
+  if (!t.silhouette.empty()) {
+    objects.set_mask(index, mask_from_silhouette(scene.view, t.silhouette, t.detected_box), true);
+    return true;
+  }
+  const ObjectMask mask = cutter.cut(scene, t.object.box, ObjectTracker::prior_of(t), seed);
+  objects.set_mask(index, mask, mask.moving);
+  return !t.object.compensated || !t.missed || !(mask.empty() || mask.still);
+}
+
+}  // namespace
+
+void cut_objects(const MaskCutter& cutter, const Scene& scene, std::uint64_t seed,
+                 ObjectTracker& objects) {
+  std::vector<bool> gone(objects.objects().size(), false);
+  for (std::size_t o = 0; o < gone.size(); ++o) {
+    gone[o] = !cut_object(cutter, scene, seed, objects, o);
+  }
+  objects.remove(gone);
+  objects.drop_duplicates();
+}
+
+cv::Mat paint_labels(const ObjectTracker& tracker, const cv::Size& image) {
+  cv::Mat labels = cv::Mat::zeros(image, CV_8UC1);
+  const auto& objects = tracker.objects();
+  std::vector<std::size_t> order(objects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return objects[a].mask.mean_depth > objects[b].mask.mean_depth;
+  });
+  constexpr std::size_t most = 255;  // labels are bytes
+  for (const std::size_t i : order) {
+    if (objects[i].mask.empty() || i >= most) continue;
+    paint_object(objects[i].mask, static_cast<std::uint8_t>(i + 1), labels);
+  }
+  return labels;
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/dynamics/motion/feature_motion.h"
+#include "dkp_slam/dynamics/removal/feature_dynamics.h"
+#include "dkp_slam/dynamics/removal/regions.h"
+
+namespace dkp_slam {
+
+/// What a rule may look at. Vectors run parallel to the features.
+struct RemovalInput {
+  const std::vector<cv::Point2f>& points;     ///< raw pixels
+  const std::vector<ObjectRegions>& objects;  ///< of this frame
+  const cv::Mat& labels;                      ///< CV_8UC1, image size: i + 1 in objects[i]'s mask
+  const FeatureMotion& motion;
+};
+
+/// A rule that tells static features from dynamic ones (paper §3.5).
+class FeatureClassifier {
+ public:
+  virtual ~FeatureClassifier() = default;
+  virtual std::string name() const = 0;
+  /// Sets `is_static` of every feature and what the rule measured on the way. Region, `tracked` and
+  /// `motion_residual` of the features are known.
+  virtual void classify(const RemovalInput& input,
+                        std::vector<FeatureDynamics>& features) const = 0;
+};
+
+}  // namespace dkp_slam

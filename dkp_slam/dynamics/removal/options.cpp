@@ -1,0 +1,45 @@
+#include "dkp_slam/config/option_list.h"
+#include "dkp_slam/dynamics/removal/epipolar.h"
+#include "dkp_slam/dynamics/removal/regions.h"
+#include "dkp_slam/dynamics/removal/removal_options.h"
+
+namespace dkp_slam {
+
+void EpipolarOptions::describe(OptionList& list) {
+  list.add("inlier_distance", inlier_distance, above(0), "pixels", "of the 7-point RANSAC");
+  list.add("confidence", confidence, between(0.5, 0.999999), "", "of the 7-point RANSAC");
+  list.add("max_iterations", max_iterations, between(1, 100000), "", "of the 7-point RANSAC");
+  list.add("min_low_matches", min_low_matches, at_least(0), "",
+           "in low regions; with fewer all matches are used");
+}
+
+void EpipolarOptions::check() const { check_options(*this); }
+
+void RegionOptions::describe(OptionList& list) {
+  list.add("weight_low", weight_low, above(0), "", "W of low regions");
+  list.add("weight_high", weight_high, above(0), "",
+           "W in the mask of an object of class weight 10 (the paper's example: 10)");
+  list.add("printed_equation", printed_equation,
+           "Eq. 6 as printed: the low weight at the mask's edge, the high one far from it");
+  list.order("weight_low", "weight_high");
+}
+
+void RegionOptions::check() const { check_options(*this); }
+
+void RemovalOptions::describe(OptionList& list) {
+  list.add("epsilon", epsilon, above(0), "pixels", "of Algorithm 2: static when D * W is below it");
+  list.add("mask_margin", mask_margin, between(0, 100), "pixels",
+           "from a mask; features nearer go with it");
+  list.add("residual_low", residual_low, above(0), "pixels",
+           "of a static point at most, outside the boxes");
+  list.add("residual_suspicious", residual_suspicious, above(0), "pixels",
+           "of a static point at most, in a box and outside its mask");
+  list.add("residual_object", residual_object, above(0), "pixels",
+           "of a static point at most, on things of middle weight");
+  list.add("residual_long", residual_long, above(0), "pixels",
+           "of a static point at most, in boxes, over the long baseline");
+}
+
+void RemovalOptions::check() const { check_options(*this); }
+
+}  // namespace dkp_slam

@@ -1,0 +1,32 @@
+#include "dkp_slam/dynamics/removal/region_rules.h"
+
+namespace dkp_slam {
+
+std::vector<std::uint8_t> on_self_moving(const RemovalInput& input) {
+  std::vector<std::uint8_t> on(input.points.size(), 0);
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    const std::size_t label = label_at(input.labels, input.points[i]);
+    for (std::size_t o = 0; o < input.objects.size() && on[i] == 0; ++o) {
+      const ObjectRegions& object = input.objects[o];
+      const bool belongs = label > 0 ? label == o + 1 : object.box.contains(input.points[i]);
+      if (belongs && object.moves_by_itself) on[i] = 1;
+    }
+  }
+  return on;
+}
+
+void BoxRule::classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const {
+  const std::vector<std::uint8_t> self_moving = on_self_moving(input);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    features[i].is_static = features[i].region == Region::low || self_moving[i] == 0;
+  }
+}
+
+void MaskRule::classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const {
+  const std::vector<std::uint8_t> self_moving = on_self_moving(input);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    features[i].is_static = features[i].region != Region::high || self_moving[i] == 0;
+  }
+}
+
+}  // namespace dkp_slam

@@ -1,0 +1,128 @@
+#include "dkp_slam/system/frame_pipeline.h"
+
+#include <spdlog/spdlog.h>
+#include <opencv2/imgproc.hpp>
+
+#include "dkp_slam/stopwatch.h"
+
+namespace dkp_slam {
+namespace {
+
+constexpr std::size_t line_capacity = 2;  // frames between two stages: evens out, keeps memory low
+
+}  // namespace
+
+FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOptions& orb, bool live)
+    : orb_(orb),
+      live_(live),
+      detector_(std::move(detector)),
+      incoming_(live ? 1 : line_capacity),
+      extracted_(live ? 1 : line_capacity),
+      detected_(line_capacity),
+      newest_frame_(1),
+      newest_detections_(1) {
+  threads_.emplace_back([this] { extract(); });
+  threads_.emplace_back([this] { live_ ? detect_newest() : detect(); });
+}
+
+FramePipeline::~FramePipeline() {
+  stop();
+  for (std::thread& t : threads_) t.join();
+}
+
+void FramePipeline::stop() {
+  for (BoundedQueue<PreparedFrame>* queue : {&incoming_, &extracted_, &detected_}) {
+    queue->clear();
+    queue->close();
+  }
+  newest_frame_.close();
+}
+
+bool FramePipeline::push(RgbdFrame frame) {
+  PreparedFrame prepared;
+  prepared.frame = std::move(frame);
+  prepared.fed = std::chrono::steady_clock::now();
+  if (!live_) return incoming_.push(std::move(prepared));
+  newest_frame_.push_newest(prepared.frame);
+  dropped_frames_ += incoming_.push_newest(std::move(prepared));
+  return !incoming_.closed();
+}
+
+std::optional<PreparedFrame> FramePipeline::next() {
+  std::optional<PreparedFrame> frame = live_ ? extracted_.pop() : detected_.pop();
+  if (!frame) {
+    if (feature_error_) std::rethrow_exception(feature_error_);
+    return std::nullopt;
+  }
+  if (live_) {
+    // Each answer goes with one frame; those until the next are without one.
+    if (auto newest = newest_detections_.try_pop()) {
+      std::tie(frame->detections, frame->detection_ms) = std::move(*newest);
+    }
+  }
+  return frame;
+}
+
+void FramePipeline::extract() {
+  try {
+    OrbExtractor extractor(orb_);
+    while (std::optional<PreparedFrame> prepared = incoming_.pop()) {
+      const Stopwatch watch;
+      cv::cvtColor(prepared->frame.colour, prepared->grey, cv::COLOR_BGR2GRAY);
+      prepared->orb = extractor.extract(prepared->grey);
+      prepared->feature_ms = watch.ms();
+      if (live_) {
+        dropped_frames_ += extracted_.push_newest(std::move(*prepared));
+      } else if (!extracted_.push(std::move(*prepared))) {
+        return;
+      }
+    }
+  } catch (...) {
+    feature_error_ = std::current_exception();
+    incoming_.close();
+  }
+  extracted_.close();
+  newest_frame_.close();
+}
+
+void FramePipeline::detect() {
+  while (std::optional<PreparedFrame> prepared = extracted_.pop()) {
+    const Stopwatch watch;
+    prepared->detections = run_detector(prepared->frame);
+    prepared->detection_ms = watch.ms();
+    if (!detected_.push(std::move(*prepared))) return;
+  }
+  detected_.close();
+}
+
+void FramePipeline::detect_newest() {
+  while (std::optional<RgbdFrame> frame = newest_frame_.pop()) {
+    const Stopwatch watch;
+    DetectionResult result = run_detector(*frame);
+    if (result.answered) newest_detections_.push_newest({std::move(result), watch.ms()});
+  }
+}
+
+DetectionResult FramePipeline::run_detector(const RgbdFrame& frame) {
+  DetectionResult result;
+  result.timestamp = frame.timestamp;
+  if (!detector_) return result;
+  try {
+    result.detections = detector_->detect(frame);
+    result.answered = true;
+  } catch (const std::exception& error) {
+    give_up_detector(frame.index, error.what());
+  } catch (...) {
+    give_up_detector(frame.index, "an exception of unknown type");
+  }
+  return result;
+}
+
+void FramePipeline::give_up_detector(int frame_index, const char* reason) {
+  ++detector_failures_;
+  spdlog::error("frame {}: the detector {} failed ({}); going on without it", frame_index,
+                detector_->name(), reason);
+  detector_.reset();
+}
+
+}  // namespace dkp_slam

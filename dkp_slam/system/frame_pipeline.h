@@ -1,0 +1,79 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "dkp_slam/detection/detector.h"
+#include "dkp_slam/feature/orb_extractor.h"
+#include "dkp_slam/sensor/rgbd_frame.h"
+#include "dkp_slam/system/bounded_queue.h"
+
+namespace dkp_slam {
+
+/// A frame with all that can be said of it without knowing the frames before: what the threads
+/// ahead of the tracker produce.
+struct PreparedFrame {
+  RgbdFrame frame;
+  cv::Mat grey;  ///< CV_8UC1
+  OrbFeatures orb;
+  DetectionResult detections;
+  double feature_ms = 0.0, detection_ms = 0.0;
+  std::chrono::steady_clock::time_point fed;  ///< when it came in
+};
+
+/// Feature extraction and detection, each in its own thread, between whoever feeds frames and the
+/// tracker.
+///
+/// Offline the stages form a line (features, detections) through queues of two frames, so every
+/// frame gets its own detections and the result does not depend on timing. Live the detector works
+/// beside the line, on the newest frame, and frames that come too fast are dropped, the oldest
+/// first.
+///
+/// A detector that throws is not called again; frames go on without detections.
+class FramePipeline {
+ public:
+  /// `detector` may be null.
+  FramePipeline(std::unique_ptr<Detector> detector, const OrbOptions& orb, bool live);
+  ~FramePipeline();
+  FramePipeline(const FramePipeline&) = delete;
+  FramePipeline& operator=(const FramePipeline&) = delete;
+
+  /// Offline waits for room, live never. False once the pipeline has ended.
+  bool push(RgbdFrame frame);
+  /// No frames will come any more; those under way do.
+  void close_input() { incoming_.close(); }
+  /// Ends at once: nothing comes any more, not even what was under way.
+  void stop();
+  /// The next frame; nothing at the end. Throws what the feature extraction threw, after the frames
+  /// before it, and again on every later call.
+  std::optional<PreparedFrame> next();
+
+  int dropped_frames() const { return dropped_frames_; }  ///< live, too late
+  int detector_failures() const { return detector_failures_; }
+
+ private:
+  void extract();
+  void detect();
+  void detect_newest();
+  DetectionResult run_detector(const RgbdFrame& frame);
+  void give_up_detector(int frame_index, const char* reason);
+
+  const OrbOptions orb_;
+  const bool live_;
+  std::unique_ptr<Detector> detector_;
+  BoundedQueue<PreparedFrame> incoming_, extracted_, detected_;
+  BoundedQueue<RgbdFrame> newest_frame_;
+  BoundedQueue<std::pair<DetectionResult, double>> newest_detections_;
+  std::exception_ptr feature_error_;  // written before the stage's queue closes
+  std::atomic<int> dropped_frames_{0};
+  std::atomic<int> detector_failures_{0};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace dkp_slam

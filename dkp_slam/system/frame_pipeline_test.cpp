@@ -1,0 +1,152 @@
+#include "dkp_slam/system/frame_pipeline.h"
+
+#include <atomic>
+#include <functional>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "dkp_slam/error.h"
+#include "tests/support/noise_frames.h"
+
+namespace dkp_slam {
+namespace {
+
+using testing::IndexDetector;
+using testing::noise_frame;
+
+constexpr bool live = true, offline = false;
+
+TEST(FramePipeline, EveryFrameInOrderWithItsOwnFeaturesAndDetections) {
+  FramePipeline pipeline(std::make_unique<IndexDetector>(), {}, offline);
+  OrbExtractor extractor{OrbOptions()};
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(pipeline.push(noise_frame(i)));
+    const auto frame = pipeline.next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->frame.index, i);
+    EXPECT_TRUE(frame->detections.answered);
+    EXPECT_EQ(frame->detections.timestamp, frame->frame.timestamp);
+    ASSERT_EQ(frame->detections.detections.size(), 1U);
+    EXPECT_EQ(frame->detections.detections[0].class_id, i);
+    EXPECT_EQ(frame->grey.type(), CV_8UC1);
+    EXPECT_EQ(frame->orb.descriptors, extractor.extract(frame->grey).descriptors);
+  }
+  pipeline.close_input();
+  EXPECT_FALSE(pipeline.next());
+  EXPECT_FALSE(pipeline.next());  // and again
+  EXPECT_EQ(pipeline.dropped_frames(), 0);
+}
+
+TEST(FramePipeline, WithoutADetectorThereIsNoAnswer) {
+  FramePipeline pipeline(nullptr, {}, offline);
+  for (int i = 0; i < 3; ++i) {
+    pipeline.push(noise_frame(i));
+    const auto frame = pipeline.next();
+    ASSERT_TRUE(frame);
+    EXPECT_FALSE(frame->detections.answered);
+    EXPECT_TRUE(frame->detections.detections.empty());
+  }
+}
+
+TEST(FramePipeline, ADetectorThatThrowsIsNotCalledAgain) {
+  struct NoStandardException {};
+  const std::function<void()> failures[] = {[] { throw Error("out of memory"); },
+                                            [] { throw NoStandardException(); }};
+  for (const auto& fail : failures) {
+    std::atomic<int> calls{0};
+    auto detector = std::make_unique<IndexDetector>([&](int index) {
+      ++calls;
+      if (index == 7) fail();
+    });
+    FramePipeline pipeline(std::move(detector), {}, offline);
+    for (int i = 0; i < 12; ++i) {
+      pipeline.push(noise_frame(i));
+      const auto frame = pipeline.next();
+      ASSERT_TRUE(frame);
+      EXPECT_EQ(frame->frame.index, i);
+      EXPECT_EQ(frame->detections.answered, i < 7);
+    }
+    EXPECT_EQ(pipeline.detector_failures(), 1);
+    EXPECT_EQ(calls, 8);
+  }
+}
+
+TEST(FramePipeline, AnImageThatCannotBeWorkedOnIsAnErrorAfterTheFramesBefore) {
+  FramePipeline pipeline(nullptr, {}, offline);
+  pipeline.push(noise_frame(0));
+  pipeline.push(RgbdFrame());
+  EXPECT_TRUE(pipeline.next());
+  EXPECT_THROW(pipeline.next(), cv::Exception);
+  EXPECT_THROW(pipeline.next(), cv::Exception);
+  EXPECT_FALSE(pipeline.push(noise_frame(2)));  // and nobody waits for room that never comes
+}
+
+TEST(FramePipeline, EndsInTheMiddle) {
+  for (const bool mode : {live, offline}) {
+    for (const int taken : {0, 1}) {
+      FramePipeline pipeline(std::make_unique<IndexDetector>(), {}, mode);
+      for (int i = 0; i < 2; ++i) pipeline.push(noise_frame(i));
+      for (int i = 0; i < taken; ++i) ASSERT_TRUE(pipeline.next());
+      pipeline.stop();
+      EXPECT_FALSE(pipeline.next());
+    }
+  }
+}
+
+TEST(FramePipeline, LiveASlowDetectorIsNotWaitedFor) {
+  // It comes back only once all frames have been taken, so waiting for it would never end.
+  std::atomic<bool> all_taken{false};
+  auto detector = std::make_unique<IndexDetector>([&](int) { all_taken.wait(false); });
+  FramePipeline pipeline(std::move(detector), {}, live);
+  for (int i = 0; i < 10; ++i) {
+    pipeline.push(noise_frame(i));
+    const auto frame = pipeline.next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->frame.index, i);
+    EXPECT_FALSE(frame->detections.answered);
+  }
+  EXPECT_EQ(pipeline.dropped_frames(), 0);
+  all_taken = true;
+  all_taken.notify_all();
+}
+
+TEST(FramePipeline, LiveALateAnswerSaysWhichImageItIsOf) {
+  std::atomic<bool> go_on{false};
+  auto detector = std::make_unique<IndexDetector>([&](int) { go_on.wait(false); });
+  FramePipeline pipeline(std::move(detector), {}, live);
+  pipeline.push(noise_frame(0));
+  ASSERT_TRUE(pipeline.next());  // the detector has begun with it, or will
+  go_on = true;
+  go_on.notify_all();
+  bool told = false;
+  for (int i = 1; i < 5000 && !told; ++i) {
+    pipeline.push(noise_frame(i));
+    const auto frame = pipeline.next();
+    ASSERT_TRUE(frame);
+    if (!frame->detections.answered) continue;
+    told = true;
+    ASSERT_EQ(frame->detections.detections.size(), 1U);
+    const int of = frame->detections.detections[0].class_id;
+    EXPECT_EQ(frame->detections.timestamp, noise_frame(of).timestamp);
+  }
+  EXPECT_TRUE(told);
+}
+
+TEST(FramePipeline, LiveTheOldestFramesAreDropped) {
+  FramePipeline pipeline(nullptr, {}, live);
+  for (int i = 0; i < 200; ++i) pipeline.push(noise_frame(i));
+  pipeline.close_input();
+  int frames = 0, last = -1;
+  while (const auto frame = pipeline.next()) {
+    EXPECT_GT(frame->frame.index, last);
+    last = frame->frame.index;
+    ++frames;
+  }
+  EXPECT_EQ(last, 199);  // the newest is never the one dropped
+  EXPECT_EQ(frames + pipeline.dropped_frames(), 200);
+  EXPECT_GT(pipeline.dropped_frames(), 0);
+}
+
+}  // namespace
+}  // namespace dkp_slam

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/detection/detector.h"
+#include "dkp_slam/dynamics/frame_dynamics.h"
+#include "dkp_slam/geometry/se3.h"
+#include "dkp_slam/sensor/rgbd_frame.h"
+#include "dkp_slam/tracking/tracker.h"
+
+namespace dkp_slam {
+
+/// What became of one frame.
+struct FrameResult {
+  int index = 0;
+  double timestamp = 0.0;                                ///< seconds, the frame's own
+  TrackingState state = TrackingState::not_initialized;  ///< after the frame
+  bool localised = false;
+  /// Where the camera is, in the world frame of `map`, as known at that moment: later adjustments
+  /// move it, see Slam::trajectory. Only where `localised`.
+  Se3 world_from_camera;
+  int map = 0;  ///< which of the atlas' maps
+  int features = 0;
+  int removed_features = 0;  ///< called dynamic
+  int tracked_landmarks = 0;
+  int detections = 0;   ///< in this frame, scores high enough to start an object
+  int compensated = 0;  ///< objects carried without a detection
+  bool keyframe = false;
+  int map_keyframes = 0, map_landmarks = 0;     ///< in all maps, after the frame
+  double decode_ms = 0.0;                       ///< RgbdFrame::decode_ms
+  double feature_ms = 0.0, detection_ms = 0.0;  ///< in threads ahead of the tracker
+  double clustering_ms = 0.0, removal_ms = 0.0, tracking_ms = 0.0;
+  double frame_ms = 0.0;    ///< from the last frame's end to this one's, all threads working
+  double latency_ms = 0.0;  ///< from `feed` to this result
+};
+
+/// A frame with everything that was found out about it, as values that any thread may read.
+struct FrameSnapshot {
+  FrameResult result;
+  RgbdFrame frame;
+  std::vector<cv::KeyPoint> keypoints;  ///< raw (distorted) pixels
+  std::vector<int> landmarks;           ///< per keypoint: id in the map, -1 for none
+  DetectionResult detections;           ///< what the detector said by then
+  FrameDynamics dynamics;               ///< objects, masks, verdict on each keypoint
+};
+
+}  // namespace dkp_slam

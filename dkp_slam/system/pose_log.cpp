@@ -1,0 +1,67 @@
+#include "dkp_slam/system/pose_log.h"
+
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+#include "dkp_slam/error.h"
+
+namespace dkp_slam {
+
+void PoseLog::add(const TrackedPose& pose) {
+  newest_.push_back(pose);
+  if (newest_.size() < in_memory_ || stays_in_memory_) return;
+  if (write_out()) {
+    newest_.clear();
+    return;
+  }
+  stays_in_memory_ = true;
+  spdlog::warn("poses cannot be written to a temporary file; they stay in memory");
+}
+
+bool PoseLog::write_out() {
+  if (!file_) file_.reset(std::tmpfile());
+  if (!file_) return false;
+  std::vector<Record> records;
+  records.reserve(newest_.size());
+  for (const TrackedPose& p : newest_) {
+    const Eigen::Quaterniond& q = p.camera_from_reference.rotation;
+    const Eigen::Vector3d& t = p.camera_from_reference.translation;
+    records.push_back(
+        {p.timestamp, {q.x(), q.y(), q.z(), q.w()}, {t.x(), t.y(), t.z()}, p.reference_keyframe});
+  }
+  // What an earlier failure left behind the last whole record is written over.
+  if (std::fseek(file_.get(), static_cast<long>(written_ * sizeof(Record)), SEEK_SET) != 0 ||
+      std::fwrite(records.data(), sizeof(Record), records.size(), file_.get()) != records.size() ||
+      std::fflush(file_.get()) != 0) {
+    return false;
+  }
+  written_ += records.size();
+  return true;
+}
+
+void PoseLog::for_each(const std::function<void(const TrackedPose&)>& use) const {
+  if (file_) std::rewind(file_.get());
+  std::vector<Record> records(in_memory_);
+  for (std::size_t read = 0; read < written_;) {
+    const std::size_t count = std::min(records.size(), written_ - read);
+    if (std::fread(records.data(), sizeof(Record), count, file_.get()) != count) {
+      throw Error("the temporary file of poses cannot be read back");
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const Record& r = records[i];
+      TrackedPose pose;
+      pose.timestamp = r.timestamp;
+      pose.reference_keyframe = r.reference_keyframe;
+      pose.camera_from_reference.rotation =
+          Eigen::Quaterniond(r.rotation[3], r.rotation[0], r.rotation[1], r.rotation[2]);
+      pose.camera_from_reference.translation = {r.translation[0], r.translation[1],
+                                                r.translation[2]};
+      use(pose);
+    }
+    read += count;
+  }
+  for (const TrackedPose& p : newest_) use(p);
+}
+
+}  // namespace dkp_slam

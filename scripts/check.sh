@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Format and checks of the sources, as CI runs them: clang-format over everything, shellcheck over
+# the scripts, clang-tidy (.clang-tidy, all its checks as errors) over the core. Changes nothing.
+#   scripts/check.sh               everything, about 4 minutes on two cores
+#   scripts/check.sh FILE.cpp...   these sources alone, wherever they are, by build/release
+# `git ls-files -z '*.cpp' '*.h' | xargs -0 clang-format-14 -i` mends the format.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+# Other versions format and warn otherwise.
+version=14
+tool() {
+  if command -v "$1-$version" >/dev/null; then echo "$1-$version"; return; fi
+  if "$1" --version 2>/dev/null | grep -q "version $version\."; then echo "$1"; return; fi
+  echo "check.sh: $1 $version is missing; scripts/setup.sh --checks installs it" >&2
+  exit 1
+}
+format=$(tool clang-format)
+tidy=$(tool clang-tidy)
+
+if [ $# -gt 0 ]; then
+  "$format" --dry-run --Werror "$@"
+  exec "$tidy" -p build/release --quiet "$@"
+fi
+
+if ! command -v shellcheck >/dev/null; then
+  echo "check.sh: shellcheck is missing; scripts/setup.sh --checks installs it" >&2
+  exit 1
+fi
+git ls-files -z '*.sh' .ci/run | xargs -0 shellcheck
+git ls-files -z '*.cpp' '*.h' | xargs -0 "$format" --dry-run --Werror
+echo "check.sh: format of all sources and scripts is right"
+
+# Most of clang-tidy's time goes into the headers of Eigen and OpenCV, once for each source. So it
+# looks at a folder's sources together, as the unity build puts them.
+cmake --preset check >/dev/null
+mapfile -t units < <(find build/check/dkp_slam -name 'unity_*.cxx' | sort)
+printf '%s\0' "${units[@]}" | xargs -0 -P "$(nproc)" -n 1 "$tidy" -p build/check --quiet
+echo "check.sh: clang-tidy found nothing in ${#units[@]} units of the core"
