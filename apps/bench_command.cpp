@@ -161,6 +161,7 @@ void add_plan_options(CLI::App& command, BenchPlanOptions& plan) {
   command.add_option("--camera", plan.camera,
                      "Camera of all sequences: a file, or fr1, fr2, fr3 or bonn; else "
                      "DIR/camera.yaml, else by the folder's name");
+  add_config_options(command, plan.config);
   command.add_option("--repeat", plan.repeat, "Runs of each, with seeds 1, 2, ...")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

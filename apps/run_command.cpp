@@ -1,10 +1,9 @@
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -12,13 +11,16 @@
 
 #include "apps/camera_choice.h"
 #include "apps/commands.h"
+#include "apps/config_options.h"
 #include "apps/observer_failure.h"
 #include "apps/progress.h"
 #include "apps/run_map.h"
 #include "apps/run_options.h"
 #include "apps/run_overlay.h"
 #include "apps/run_report.h"
+#include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/detection/recorded_detector.h"
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
@@ -31,31 +33,19 @@ namespace dkp_slam::apps {
 namespace fs = std::filesystem;
 namespace {
 
-std::map<std::string, DynamicsMode> modes() {
-  std::map<std::string, DynamicsMode> all;
-  for (const ModeInfo& m : dynamics_modes()) all.emplace(m.name, m.mode);
-  return all;
-}
-const std::map<std::string, DetectorKind> detectors{{"auto", DetectorKind::automatic},
-                                                    {"yolox", DetectorKind::yolox},
-                                                    {"motion", DetectorKind::motion},
-                                                    {"none", DetectorKind::none}};
-
-/// For the help text: "{auto,motion,none,yolox}".
-template <class Value>
-std::string names_of(const std::map<std::string, Value>& values) {
-  std::string names;
-  for (const auto& [name, value] : values) names += (names.empty() ? "{" : ",") + name;
-  return names + "}";
+std::vector<std::string> names_of_modes() {
+  std::vector<std::string> names;
+  for (const ModeInfo& m : dynamics_modes()) names.emplace_back(m.name);
+  return names;
 }
 
-/// The detector, with all that was left open filled into `options`. Null for none.
-std::unique_ptr<Detector> choose_detector(RunOptions& options, const Camera& camera) {
-  DetectorOptions& detector = options.detector;
-  if (options.mode == DynamicsMode::off) detector.kind = DetectorKind::none;
+/// The detector, with all that was left open filled into `config`. Null for none.
+std::unique_ptr<Detector> choose_detector(const RunOptions& options, SlamConfig& config) {
+  DetectorOptions& detector = config.detector;
+  const bool off = config.dynamics.mode == DynamicsMode::off;
+  if (off) detector.kind = DetectorKind::none;
   if (detector.kind == DetectorKind::none) {
-    spdlog::info("no detector runs ({})",
-                 options.mode == DynamicsMode::off ? "mode off" : "--detector none");
+    spdlog::info("no detector runs ({})", off ? "mode off" : "detector none");
     return nullptr;
   }
   if (!options.classes.empty()) detector.yolox.classes = ClassTable::load(options.classes);
@@ -68,21 +58,21 @@ std::unique_ptr<Detector> choose_detector(RunOptions& options, const Camera& cam
       detector.yolox.model = *model;
     }
   }
-  return make_detector(detector, camera);
+  return make_detector(detector, config.camera);
 }
 
-nlohmann::ordered_json describe(const RunOptions& options) {
-  const bool yolox = options.detector.kind == DetectorKind::yolox;
+nlohmann::ordered_json describe(const RunOptions& options, const SlamConfig& config) {
+  const bool yolox = config.detector.kind == DetectorKind::yolox;
   nlohmann::ordered_json json;
   json["sequence"] = options.sequence;
   json["camera"] = options.camera;
-  json["mode"] = mode_info(options.mode).name;
-  json["model"] = yolox ? options.detector.yolox.model.string() : "";
+  json["mode"] = mode_info(config.dynamics.mode).name;
+  json["model"] = yolox ? config.detector.yolox.model.string() : "";
   json["detections"] = options.detections.string();
   json["classes"] = options.classes.string();
-  json["provider"] = yolox ? options.detector.yolox.provider : "";
-  json["seed"] = options.seed;
-  json["realtime"] = options.realtime;
+  json["provider"] = yolox ? config.detector.yolox.provider : "";
+  json["seed"] = config.seed;
+  json["realtime"] = config.realtime;
   json["map"] = options.map.string();
   json["localize"] = options.localize.string();
   return json;
@@ -162,21 +152,24 @@ std::optional<ErrorStatistics> error_against_truth(const std::string& sequence,
 }
 
 void run(RunOptions options) {
-  SlamConfig slam_options;
+  SlamConfig config = make_config(options.config);
+  if (config.realtime && options.one_at_a_time) {
+    throw CLI::ValidationError("--one-at-a-time", "not with realtime");
+  }
+  if (config.localize_only && options.localize.empty()) {
+    throw CLI::ValidationError("localize_only", "needs a map; give --localize FILE instead");
+  }
+  config.localize_only = !options.localize.empty();
   const bool camera_given = !options.camera.empty();
   options.camera = choose_camera(options.sequence, options.camera);
   if (!camera_given) spdlog::info("camera: {}", options.camera);
-  slam_options.camera = load_camera(options.camera);
-  slam_options.dynamics.mode = options.mode;
-  slam_options.realtime = options.realtime;
-  slam_options.seed = options.seed;
+  config.camera = load_camera(options.camera);
   // Everything that can be wrong is found before the first frame; the folder comes last, so that
   // other mistakes leave none behind.
-  auto source = open_tum_folder(options.sequence, slam_options.camera);
-  auto detector = choose_detector(options, slam_options.camera);
+  auto source = open_tum_folder(options.sequence, config.camera);
+  auto detector = choose_detector(options, config);
   RunObservers observers;
-  observers.map = std::make_shared<RunMap>(options.map, options.localize, slam_options);
-  slam_options.localize_only = !options.localize.empty();
+  observers.map = std::make_shared<RunMap>(options.map, options.localize, config);
   prepare_run_folder(options.out);
   if (options.overlay) {
     observers.overlay = std::make_shared<OverlayWriter>(options.out, options.overlay_every);
@@ -185,15 +178,16 @@ void run(RunOptions options) {
   RunLog log(options.out);
   observers.detections = std::make_shared<DetectionLog>(log);
   RunResult result;
-  result.options = describe(options);
+  result.options = describe(options, config);
+  result.config = config_json(config);
   result.detector = detector ? detector->name() : "none";
   catch_interrupts();
   std::optional<Map> stored = observers.map->take_stored();
-  const bool with_map = observers.map->begin(slam_options);
-  Slam slam(slam_options, std::move(detector), std::move(stored));
+  const bool with_map = observers.map->begin(config);
+  Slam slam(config, std::move(detector), std::move(stored));
   observers.join(slam, with_map);
   PlaybackOptions playback;
-  playback.rate = options.realtime ? 1.0 : 0.0;
+  playback.rate = config.realtime ? 1.0 : 0.0;
   playback.one_at_a_time = options.one_at_a_time;
   playback.stop = &interrupt_flag();
   result.totals = play_run(*source, slam, observers, log, playback);
@@ -226,20 +220,18 @@ void add_detector_options(CLI::App& command, RunOptions& options) {
   auto* recorded = command.add_option(
       "--detections", options.detections,
       "Boxes of this file instead of a detector's, as in an earlier run's detections.txt");
-  command
-      .add_option("--detector", options.detector.kind,
-                  "What finds objects that may move: auto (YOLOX when there is a model, else "
-                  "motion), yolox, motion or none")
-      ->transform(CLI::CheckedTransformer(detectors).description(names_of(detectors)))
+  add_shortcut(command, options.config, "--detector", "detector.kind",
+               "What finds objects that may move: auto (YOLOX when there is a model, else motion), "
+               "yolox, motion or none")
+      ->check(CLI::IsMember({"auto", "yolox", "motion", "none"}))
       ->default_str("auto")
       ->excludes(recorded);
-  command.add_option("--model", options.detector.yolox.model,
-                     "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
-  command
-      .add_option("--provider", options.detector.yolox.provider,
-                  "Execution provider of ONNX Runtime: cpu, cuda or tensorrt")
+  add_shortcut(command, options.config, "--model", "detector.yolox.model",
+               "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
+  add_shortcut(command, options.config, "--provider", "detector.yolox.provider",
+               "Execution provider of ONNX Runtime: cpu, cuda or tensorrt")
       ->check(CLI::IsMember({"cpu", "cuda", "tensorrt"}))
-      ->capture_default_str();
+      ->default_str("cpu");
   command.add_option("--classes", options.classes,
                      "Weight of each class (YAML, see config/classes.yaml)");
 }
@@ -254,24 +246,23 @@ void add_run_command(CLI::App& program) {
   command->add_option("--camera", options->camera,
                       "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else "
                       "SEQUENCE/camera.yaml, else by the folder's name");
-  command
-      ->add_option("--mode", options->mode,
-                   "What is removed: off (nothing), paper (the paper to the letter), d (boxes), dk "
-                   "(clustered masks), dkp (region and epipolar rule), dkp+ (ours); docs/modes.md")
-      ->transform(CLI::CheckedTransformer(modes()).description(mode_names()))
+  add_shortcut(*command, options->config, "--mode", "mode",
+               "What is removed: off (nothing), paper (the paper to the letter), d (boxes), dk "
+               "(clustered masks), dkp (region and epipolar rule), dkp+ (ours); docs/modes.md")
+      ->check(CLI::IsMember(names_of_modes()).description(mode_names()))
       ->default_str("dkp+");
   add_detector_options(*command, *options);
   auto* realtime =
-      command->add_flag("--realtime", options->realtime,
+      add_flag_shortcut(*command, options->config, "--realtime", "realtime",
                         "Play by the time stamps, drop what comes too late, wait for nothing");
   command
       ->add_flag(
           "--one-at-a-time", options->one_at_a_time,
           "Read a frame when the one before is done: slower, but each stage's time is its own")
       ->excludes(realtime);
-  command->add_option("--seed", options->seed, "Seed of everything random")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  add_shortcut(*command, options->config, "--seed", "seed", "Seed of everything random")
+      ->default_str("1");
+  add_config_options(*command, options->config);
   command->add_option("--out", options->out, "Folder for the results; made where missing")
       ->required();
   auto* map = command->add_option("--map", options->map,

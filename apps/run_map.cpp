@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/system/scaled_config.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
@@ -16,7 +17,7 @@ RunMap::RunMap(const fs::path& map, const fs::path& localize, const SlamConfig& 
     return;
   }
   stored_.emplace(read_map(source));
-  check_fits(*stored_, config.camera, config.orb.scale, config.orb.levels);
+  check_fits(*stored_, config.camera, config.orb.scale, scaled_to_camera(config).orb.levels);
   spdlog::info("{}: {} keyframes, {} landmarks", source.string(), stored_->map.live_keyframes(),
                stored_->map.live_landmarks());
 }
@@ -30,7 +31,8 @@ bool RunMap::begin(const SlamConfig& config) {
   if (file_.empty()) return false;
   writer_ = stored_ ? std::make_unique<MapWriter>(file_, std::move(stored_->state))
                     : std::make_unique<MapWriter>(
-                          file_, Map(config.camera, config.orb.scale, config.orb.levels));
+                          file_, Map(config.camera, config.orb.scale,
+                                     scaled_to_camera(config).orb.levels));
   return true;
 }
 

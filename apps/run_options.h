@@ -1,11 +1,9 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 
-#include "dkp_slam/detection/factory/detector_factory.h"
-#include "dkp_slam/dynamics/modes.h"
+#include "apps/config_options.h"
 
 namespace dkp_slam::apps {
 
@@ -16,11 +14,8 @@ struct RunOptions {
   std::filesystem::path map;         ///< file to go on from and to keep up to date; empty for none
   std::filesystem::path localize;    ///< map file to find the camera in; empty for none
   std::filesystem::path detections;  ///< recorded ones instead of a detector's; empty for none
-  DynamicsMode mode = DynamicsMode::dkp_plus;
-  DetectorOptions detector;
-  bool realtime = false;
+  ConfigOptions config;
   bool one_at_a_time = false;
-  std::uint64_t seed = 1;
   bool overlay = false;
   int overlay_every = 30;  ///< frames; one picture a second
 };

@@ -68,6 +68,7 @@ nlohmann::ordered_json summary_json(const RunResult& result) {
   nlohmann::ordered_json json;
   json["version"] = DKP_SLAM_VERSION;
   json["options"] = result.options;
+  json["config"] = result.config;
   json["detector"] = result.detector;
   json["interrupted"] = totals.interrupted;
   json["failure"] = verdict(totals);

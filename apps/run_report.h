@@ -42,6 +42,7 @@ struct RunResult {
   int maps_joined = 0;
   std::string detector;            ///< "none", or the name of the one that was chosen
   nlohmann::ordered_json options;  ///< what the user asked for and what was chosen for him
+  nlohmann::ordered_json config;   ///< all options of the run, see config_json
   /// Of the trajectory, metres, where the sequence brings its true path.
   std::optional<ErrorStatistics> absolute_error;
 };

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <opencv2/imgproc.hpp>
 #include <CLI/CLI.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/localization/relocalizer.h"

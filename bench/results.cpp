@@ -33,6 +33,10 @@ struct Arguments {
   int repeat = 3;
   std::vector<std::string> sequences{"fr1_xyz", "fr3_walking_halfsphere_50",
                                      "composite_xyz_walking", "composite_xyz_sitting"};
+  // Cuts of the benchmark's sequences under short names, which do not tell their camera.
+  std::vector<std::string> cameras{"fr1_xyz=tum_fr1.yaml", "fr3_walking_halfsphere_50=tum_fr3.yaml",
+                                   "composite_xyz_walking=tum_fr1.yaml",
+                                   "composite_xyz_sitting=tum_fr1.yaml"};
   std::vector<std::string> modes{"off", "d", "dk", "dkp", "dkp+"};
   std::vector<std::string> command;
 };
@@ -47,6 +51,11 @@ MeasureOptions measure_options(const Arguments& arguments) {
   MeasureOptions options;
   options.data = arguments.data;
   options.config = arguments.config;
+  for (const std::string& given : arguments.cameras) {
+    const std::size_t equals = given.find('=');
+    if (equals == std::string::npos) throw Error(given + ": no SEQUENCE=FILE; see --cameras");
+    options.cameras[given.substr(0, equals)] = given.substr(equals + 1);
+  }
   options.program = arguments.program;
   if (arguments.program.empty()) {
     options.program = fs::read_symlink("/proc/self/exe").parent_path() / "dkp-slam";
@@ -65,7 +74,7 @@ void check(const Arguments& arguments, const MeasureOptions& options) {
                 ": no such program; build it, or name it with --program");
   }
   for (const std::string& sequence : arguments.sequences) {
-    const fs::path camera = options.config / camera_file(sequence);
+    const fs::path camera = camera_of(options, sequence);
     if (!fs::exists(camera)) throw Error(camera.string() + ": no such camera file; see --config");
     const fs::path truth = options.data / sequence / "groundtruth.txt";
     if (!fs::exists(truth)) {
@@ -193,6 +202,12 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--sequences", arguments.sequences, "Sequences, separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option(
+         "--cameras", arguments.cameras,
+         "SEQUENCE=FILE, separated by commas: camera file (in --config) of a sequence whose "
+         "folder neither holds a camera.yaml nor has its benchmark's name")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--modes", arguments.modes, "Ablation modes, separated by commas")

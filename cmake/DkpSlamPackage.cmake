@@ -19,7 +19,10 @@ target_compile_features(dkp_slam PUBLIC cxx_std_20)
 target_include_directories(dkp_slam INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(dkp_slam PUBLIC Eigen3::Eigen opencv_core PRIVATE ${core})
 # Ceres stays inside, unseen: a user may have another.
-target_link_options(dkp_slam PRIVATE -Wl,--as-needed -Wl,--no-undefined -Wl,--exclude-libs,ALL)
+target_link_options(dkp_slam PRIVATE -Wl,--as-needed -Wl,--exclude-libs,ALL)
+if(NOT DKP_SLAM_SANITIZE)
+  target_link_options(dkp_slam PRIVATE -Wl,--no-undefined)
+endif()
 
 set(documents ${CMAKE_INSTALL_DATAROOTDIR}/doc/dkp-slam)
 # ONNX Runtime comes along where it is not the system's own.
@@ -87,7 +90,11 @@ CPU: people are found by a detector, cut out by their depth, and left out of
 the map. The program dkp-slam, the library libdkp_slam and its headers.
 Licence: Apache-2.0; ONNX Runtime, which comes along, MIT.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+# What others get libdkp_slam from; not ONNX Runtime, which is for our own use.
+file(WRITE ${CMAKE_BINARY_DIR}/generated/shlibs
+     "libdkp_slam ${PROJECT_VERSION_MAJOR} dkp-slam (= ${PROJECT_VERSION})\n")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/generated/shlibs)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "curl, ca-certificates")
 # For programs that are built against the library.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, libeigen3-dev, libopencv-dev")

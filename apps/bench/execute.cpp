@@ -52,6 +52,7 @@ std::vector<std::string> command_of(const BenchSetup& setup, const BenchJob& job
     command.insert(command.end(), {"--detector", detector.name});
   }
   if (!detector.model.empty()) command.insert(command.end(), {"--model", detector.model.string()});
+  command.insert(command.end(), job.config.begin(), job.config.end());
   return command;
 }
 

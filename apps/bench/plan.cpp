@@ -102,6 +102,16 @@ std::vector<BenchDetector> choose_detectors(const BenchPlanOptions& options,
   return detectors;
 }
 
+/// The arguments that give each run the configuration that the user wants.
+std::vector<std::string> config_arguments(const ConfigOptions& options) {
+  std::vector<std::string> arguments;
+  if (!options.file.empty()) arguments = {"--config", fs::absolute(options.file).string()};
+  for (const std::string& assignment : options.assignments) {
+    arguments.insert(arguments.end(), {"--set", assignment});
+  }
+  return arguments;
+}
+
 }  // namespace
 
 Shard parse_shard(const std::string& text) {
@@ -122,6 +132,9 @@ Shard parse_shard(const std::string& text) {
 std::vector<BenchJob> plan_jobs(const BenchPlanOptions& options) {
   const std::vector<BenchSequence> sequences = read_sequences(options);
   const std::vector<BenchDetector> detectors = choose_detectors(options, sequences);
+  const std::vector<std::string> config = config_arguments(options.config);
+  const std::string config_fingerprint =
+      config.empty() ? "" : text_fingerprint(config_text(make_config(options.config)));
   std::vector<BenchJob> jobs;
   for (int repetition = 1; repetition <= options.repeat; ++repetition) {
     const auto seed = static_cast<std::uint64_t>(repetition);
@@ -131,11 +144,11 @@ std::vector<BenchJob> plan_jobs(const BenchPlanOptions& options) {
         if (std::find(done.begin(), done.end(), mode) != done.end()) continue;
         done.push_back(mode);
         if (mode == "off") {
-          jobs.push_back({sequence, mode, {"none", {}, {}}, seed});
+          jobs.push_back({sequence, mode, {"none", {}, {}}, seed, config, config_fingerprint});
           continue;
         }
         for (const BenchDetector& detector : detectors) {
-          jobs.push_back({sequence, mode, detector, seed});
+          jobs.push_back({sequence, mode, detector, seed, config, config_fingerprint});
         }
       }
     }
@@ -154,9 +167,10 @@ std::string options_fingerprint(const BenchJob& job) {
   if (job.detector.name == "boxes") {
     boxes = fingerprint(job.sequence.folder / "detections.txt");
   }
-  return text_fingerprint(fmt::format("{} {} {} {} {} {} {}", job.sequence.name,
+  const std::string config = job.config_fingerprint.empty() ? "" : " " + job.config_fingerprint;
+  return text_fingerprint(fmt::format("{} {} {} {} {} {} {}{}", job.sequence.name,
                                       job.sequence.fingerprint, job.mode, job.detector.name,
-                                      job.detector.fingerprint, boxes, job.seed));
+                                      job.detector.fingerprint, boxes, job.seed, config));
 }
 
 }  // namespace dkp_slam::apps

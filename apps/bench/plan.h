@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/config_options.h"
+
 namespace dkp_slam::apps {
 
 /// A sequence to run, with all that its results depend on.
@@ -29,6 +31,8 @@ struct BenchJob {
   std::string mode;
   BenchDetector detector;
   std::uint64_t seed = 1;
+  std::vector<std::string> config;  ///< arguments of the run that give its configuration
+  std::string config_fingerprint;   ///< of all its options; empty for those built in
 };
 
 /// What the user asked for.
@@ -39,6 +43,7 @@ struct BenchPlanOptions {
   std::string camera;  ///< a file or fr1, fr2, fr3, bonn; empty: each sequence's own
   std::string model;
   int repeat = 3;  ///< seeds 1, 2, ...
+  ConfigOptions config;
 };
 
 /// Part `index` (from 1) of `count` equal parts.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -13,12 +14,18 @@ namespace dkp_slam::bench {
 
 /// What is the same for all runs.
 struct MeasureOptions {
-  std::filesystem::path data;     ///< holds the sequence folders
-  std::filesystem::path config;   ///< holds the camera files
+  std::filesystem::path data;    ///< holds the sequence folders
+  std::filesystem::path config;  ///< holds the camera files
+  /// Camera file in `config` of each sequence whose folder neither holds nor tells its camera.
+  std::map<std::string, std::string> cameras;
   std::filesystem::path program;  ///< the dkp-slam to measure
   std::filesystem::path model;    ///< YOLOX; empty: the motion detector runs
   std::filesystem::path runs;     ///< a folder per run goes here
 };
+
+/// Camera file of a sequence: as given, else its folder's camera.yaml, else by its name. Throws
+/// `Error` where nothing tells it.
+std::filesystem::path camera_of(const MeasureOptions& options, const std::string& sequence);
 
 /// Where a run's output lies.
 std::filesystem::path run_folder(const MeasureOptions& options, const RunKey& key);

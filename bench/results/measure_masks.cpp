@@ -96,7 +96,7 @@ std::optional<MaskFigures> measure_masks(const MeasureOptions& options, const Ru
                                          const std::function<void(std::size_t)>& progress) {
   const fs::path sequence = options.data / key.sequence;
   SlamConfig slam_options;
-  slam_options.camera = load_camera((options.config / camera_file(key.sequence)).string());
+  slam_options.camera = load_camera(camera_of(options, key.sequence).string());
   slam_options.dynamics.mode = mode_named(key.mode);
   slam_options.seed = key.seed;
   slam_options.final_adjustment = false;  // masks are there before it

@@ -32,7 +32,7 @@ std::vector<std::string> command_of(const MeasureOptions& options, const RunKey&
                                       "run",
                                       (options.data / key.sequence).string(),
                                       "--camera",
-                                      (options.config / camera_file(key.sequence)).string(),
+                                      camera_of(options, key.sequence).string(),
                                       "--mode",
                                       key.mode,
                                       "--seed",
@@ -96,6 +96,14 @@ void set_errors(RunFigures& figures, const Trajectory& truth, const Trajectory& 
 }
 
 }  // namespace
+
+fs::path camera_of(const MeasureOptions& options, const std::string& sequence) {
+  if (const auto given = options.cameras.find(sequence); given != options.cameras.end()) {
+    return options.config / given->second;
+  }
+  const fs::path own = options.data / sequence / "camera.yaml";
+  return fs::exists(own) ? own : options.config / camera_file(sequence);
+}
 
 fs::path run_folder(const MeasureOptions& options, const RunKey& key) {
   return options.runs / key.sequence / key.mode / fmt::format("seed{}", key.seed);

@@ -37,6 +37,7 @@ class MeasureRun : public ::testing::Test {
     fs::remove_all(folder_);
     options_.data = folder_ / "data";
     options_.config = folder_ / "config";
+    options_.cameras["fr1_line"] = "tum_fr1.yaml";
     options_.runs = folder_ / "runs";
     options_.program = folder_ / "program";
     options_.model = folder_ / "nano.onnx";
@@ -145,12 +146,18 @@ TEST_F(MeasureRun, AProgramThatCannotBeStartedIsAnError) {
 }
 
 TEST(CameraFile, FollowsFromTheName) {
-  EXPECT_EQ(camera_file("fr1_xyz"), "tum_fr1.yaml");
+  EXPECT_EQ(camera_file("rgbd_dataset_freiburg1_xyz"), "tum_fr1.yaml");
   EXPECT_EQ(camera_file("rgbd_dataset_freiburg2_desk"), "tum_fr2.yaml");
-  EXPECT_EQ(camera_file("fr3_walking_halfsphere_50"), "tum_fr3.yaml");
-  EXPECT_EQ(camera_file("composite_xyz_walking"), "tum_fr1.yaml");
+  EXPECT_EQ(camera_file("rgbd_dataset_freiburg3_walking_halfsphere"), "tum_fr3.yaml");
   EXPECT_EQ(camera_file("rgbd_bonn_crowd"), "bonn.yaml");
-  EXPECT_THROW(camera_file("kitchen"), Error);
+}
+
+TEST(CameraFile, IsNotGuessedFromOtherNames) {
+  for (const char* name :
+       {"fr1_xyz", "composite_xyz_walking", "my_fr1_room", "freiburg1_xyz", "bonn_crowd",
+        "my_rgbd_bonn_crowd", "rgbd_dataset_freiburg4_x", "kitchen"}) {
+    EXPECT_THROW(camera_file(name), Error) << name;
+  }
 }
 
 TEST(CommandLine, IsQuotedAndHidesFolders) {

@@ -1,6 +1,7 @@
 #include "dkp_slam/dynamics/dynamics_module.h"
 
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -159,6 +160,64 @@ TEST(DynamicsModule, FindsAWalkerWhomNoDetectorSaw) {
   EXPECT_GT(plus.kept, 0.95);
   EXPECT_GT(plus.iou, 0.9);
   EXPECT_LT(run(DynamicsMode::dk, 0.75, 10, 0).removed, 0.01);
+}
+
+TEST(DynamicsModule, PaperCompensatesForOneMissedFrameWithoutABox) {
+  const Score seen = run(DynamicsMode::paper, 0.75, 5, 100);
+  const Score missed = run(DynamicsMode::paper, 0.75, 5, 5);
+  EXPECT_GE(seen.removed, 0.6);  // he walks along the epipolar lines, which hides him
+  EXPECT_GE(missed.removed, seen.removed - 0.1);
+  EXPECT_EQ(missed.iou, 0.0);  // no box, no mask
+  EXPECT_GT(missed.kept, 0.9);
+}
+
+/// Runs frames 0..last with answers about images `late` frames ago; scores the last one. Frames
+/// that `answered` refuses get no answer.
+Score run_late(const DynamicsOptions& options, int last, int late,
+               const std::function<bool(int)>& answered) {
+  DynamicsModule module(test_camera(), options);
+  const World world(0.75);
+  Score result;
+  for (int i = 0; i <= last; ++i) {
+    const auto v = world.at(i);
+    DetectionResult answer;
+    if (i >= late && answered(i)) {
+      const auto before = world.at(i - late);
+      answer = {before.frame.timestamp, true, {before.detection}};
+    }
+    result = score(v, module.process(v.frame, v.grey, v.keypoints, answer));
+  }
+  return result;
+}
+
+TEST(DynamicsModule, AnswersOfEarlierImagesAreWorthAsMuch) {
+  const auto always = [](int) { return true; };
+  for (const DynamicsMode mode : {DynamicsMode::d, DynamicsMode::dk, DynamicsMode::dkp_plus}) {
+    SCOPED_TRACE(mode_info(mode).name);
+    DynamicsOptions options;
+    options.mode = mode;
+    const Score late = run_late(options, 18, 12, always);  // 0.4 s, in which he walks 90 px
+    EXPECT_GE(late.removed, 0.95);
+    EXPECT_GE(late.kept, 0.9 * run_late(options, 18, 0, always).kept);
+  }
+}
+
+TEST(DynamicsModule, BetweenAnswersObjectsLiveOnWithoutCompensationToo) {
+  DynamicsOptions options;
+  options.mode = DynamicsMode::dk;
+  options.compensation.compensate = false;
+  const auto once = [](int i) { return i == 6; };
+  EXPECT_GE(run_late(options, 6, 3, once).removed, 0.95);  // starts from a late answer
+  EXPECT_GE(run_late(options, 18, 3, once).removed, 0.9);
+}
+
+TEST(DynamicsModule, ASilentDetectorRemovesNothingInTheAblation) {
+  const auto never = [](int) { return false; };
+  for (const DynamicsMode mode : {DynamicsMode::paper, DynamicsMode::d, DynamicsMode::dk}) {
+    DynamicsOptions options;
+    options.mode = mode;
+    EXPECT_LT(run_late(options, 6, 0, never).removed, mode == DynamicsMode::paper ? 0.6 : 1e-6);
+  }
 }
 
 TEST(DynamicsModule, RepeatsExactly) {

@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
+#include "dkp_slam/geometry/sensor_scale.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -75,11 +77,12 @@ class Aligner {
   Alignment judge(const Se3& pose) const {
     Alignment out{pose, std::vector<char>(observations_.size(), 0), 0};
     const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+    const double pixel_bound = SensorScale::of(camera_).pixels * options_.pixel_bound;
     for (std::size_t i = 0; i < observations_.size(); ++i) {
       const Observation& seen = observations_[i].seen;
       const Eigen::Vector3d p = rotation * observations_[i].landmark + pose.translation;
       if (p.z() < behind) continue;
-      const double bound = options_.pixel_bound * seen.pixel_sigma;
+      const double bound = pixel_bound * seen.pixel_sigma;
       out.inlier[i] = (camera_.project(p) - seen.pixel).squaredNorm() <= bound * bound;
       out.inliers += out.inlier[i];
     }

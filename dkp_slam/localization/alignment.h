@@ -16,8 +16,8 @@ struct AlignmentOptions {
   /// wrong, with 99.9%. Most wrong samples cost next to nothing: their sides do not fit.
   int samples = 1000;
   double confidence = 0.999;  ///< that a good sample was met; then no more are drawn
-  /// Pixels on level 0. A pose from three points is as wrong as their depths are: 2 cm at 1.5 m
-  /// are 7 px.
+  /// Pixels on level 0 of an image 640 wide (see SensorScale). A pose from three points is as wrong
+  /// as their depths are: 2 cm at 1.5 m are 7 px.
   double pixel_bound = 10.0;
   double least_side = 0.05;  ///< metres, of the triangle that three points make
   int least_inliers = 10;

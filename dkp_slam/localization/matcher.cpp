@@ -98,9 +98,8 @@ void resolve_landmarks(const Map& map, Frame& frame) {
 
 bool has_each_landmark_once(const Map& map, const Frame& frame) {
   IdSet taken;
-  return std::all_of(frame.landmark.begin(), frame.landmark.end(), [&](int id) {
-    return id < 0 || (map.has_landmark(id) && taken.insert(id));
-  });
+  return std::all_of(frame.landmark.begin(), frame.landmark.end(),
+                     [&](int id) { return id < 0 || (map.has_landmark(id) && taken.insert(id)); });
 }
 
 std::vector<FrameMatch> match_last_frame(const Map& map, const Frame& last, const Frame& frame,

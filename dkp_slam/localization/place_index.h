@@ -72,7 +72,7 @@ class PlaceIndex {
   std::vector<PlaceCandidate> votes(const Map& map, std::span<const Descriptor> frame) const;
 
   /// The best keyframes of the best groups among keyframes with votes, best group first.
-  std::vector<PlaceCandidate> best_groups(const Map& map, const std::vector<PlaceCandidate>& votes,
+  std::vector<PlaceCandidate> best_groups(const Map& map, const std::vector<PlaceCandidate>& all,
                                           std::size_t most) const;
 
   /// Both in one: at most `most` keyframes that may show what the frame shows, best first.

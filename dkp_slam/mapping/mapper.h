@@ -69,7 +69,7 @@ class Mapper {
     BundleSolution solution;
   };
 
-  void create_landmarks(Frame& frame, int keyframe, const std::vector<int>& feature_of_frame);
+  void create_landmarks(Frame& frame, int id, const std::vector<int>& feature_of_frame);
   void cull_landmarks(int newest_keyframe);
   void cull_keyframes(int newest_keyframe);
   void carry_back();

@@ -10,7 +10,7 @@ void SlamConfig::describe(OptionList& list) {
   for (const ModeInfo& m : dynamics_modes()) modes.emplace_back(m.mode, m.name);
   list.add("mode", dynamics.mode, modes, "what is removed");
   list.of_a_part();
-  list.add("seed", seed, any_number(), "", "of everything random");
+  list.add("seed", seed, at_least(0), "", "of everything random");
   list.add("realtime", realtime, "never wait for anything; drop what comes too fast");
   list.add("localize_only", localize_only, "in a stored map, which stays as it is");
   list.add("close_loops", close_loops, "and merge maps that meet");

@@ -15,6 +15,7 @@
 #include "dkp_slam/system/engine.h"
 #include "dkp_slam/system/frame_pipeline.h"
 #include "dkp_slam/system/observer_inbox.h"
+#include "dkp_slam/system/scaled_config.h"
 
 namespace dkp_slam {
 namespace {
@@ -188,7 +189,7 @@ const Engine& Slam::State::finished_engine() const {
 }
 
 Slam::Slam(const SlamConfig& config, std::unique_ptr<Detector> detector, std::optional<Map> stored)
-    : state_(std::make_unique<State>(config, std::move(detector), std::move(stored))) {}
+    : state_(std::make_unique<State>(scaled_to_camera(config), std::move(detector), std::move(stored))) {}
 
 Slam::~Slam() {
   state_->pipeline.stop();

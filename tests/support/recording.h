@@ -45,11 +45,16 @@ struct Recording {
   /// `divisor`: 1 for 640 x 480 pixels, 2 for half the width, which is rendered in a third of the
   /// time.
   Recording(const std::string& scenario, std::size_t length, std::size_t first_frame = 0,
-            int divisor = 1) {
+            int divisor = 1)
+      : Recording(scenario, smaller(SyntheticOptions::default_camera(), divisor), length,
+                  first_frame) {}
+  /// Frames are counted at that camera's rate.
+  Recording(const std::string& scenario, const Camera& seen_by, std::size_t length,
+            std::size_t first_frame) {
     SyntheticOptions options = synthetic_scenario(scenario);
     options.frames = length;
     options.first_frame = first_frame;
-    camera = options.camera = smaller(options.camera, divisor);
+    camera = options.camera = seen_by;
     SyntheticSource world(options);
     while (auto frame = world.read()) {
       truth.push_back({frame->timestamp, world.truth().world_from_camera});

@@ -80,7 +80,7 @@ std::string read_text(const fs::path& file) {
 
 /// The value as YAML reads it back: texts in quotes, for they may look like anything.
 std::string scalar(const Option& option) {
-  const std::string text = option.text();
+  std::string text = option.text();
   if (!std::holds_alternative<std::string*>(option.value) &&
       !std::holds_alternative<fs::path*>(option.value)) {
     return text;

@@ -126,7 +126,7 @@ std::optional<fs::path> find_model(const fs::path& wanted) {
     folders.push_back(fs::path(home) / ".cache" / "dkp-slam");
   }
   for (const fs::path& folder : folders) {
-    if (const auto file = model_in(folder)) return file;
+    if (auto file = model_in(folder)) return file;
   }
   return std::nullopt;
 }

@@ -23,7 +23,7 @@ CoarseGrid::CoarseGrid(const Camera& camera, int columns) : distortion_(camera.d
   }
   rays_.reserve(centres.size());
   for (const cv::Point2f& p : camera.undistort(centres)) {
-    rays_.push_back(camera.unproject({p.x, p.y}, 1.0).cast<float>());
+    rays_.emplace_back(camera.unproject({p.x, p.y}, 1.0).cast<float>());
   }
 }
 

@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "dkp_slam/geometry/sensor_scale.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -16,8 +18,7 @@ constexpr int pyramid_levels = 3;
 
 /// Depth around a full-size pixel, or 0 where it is unknown or jumps: a corner on an object's edge
 /// may belong to either side.
-float smooth_depth(const cv::Mat& depth, const cv::Point2f& pixel) {
-  constexpr int reach = 3;
+float smooth_depth(const cv::Mat& depth, const cv::Point2f& pixel, int reach) {
   constexpr float jump = 0.04F;
   const int u = cvRound(pixel.x), v = cvRound(pixel.y);
   if (u < reach || v < reach || u + reach >= depth.cols || v + reach >= depth.rows) return 0.0F;
@@ -30,17 +31,27 @@ float smooth_depth(const cv::Mat& depth, const cv::Point2f& pixel) {
   return z;
 }
 
+EgoMotionOptions scaled(EgoMotionOptions options, const SensorScale& scale) {
+  options.inlier_pixels *= scale.pixels;
+  options.usual_shift = scale.per_frame(options.usual_shift);
+  options.usual_turn = scale.per_frame(options.usual_turn);
+  return options;
+}
+
 }  // namespace
 
 EgoMotionEstimator::EgoMotionEstimator(const Camera& camera, const EgoMotionOptions& options)
-    : camera_(camera), options_(options) {}
+    : camera_(camera),
+      options_(scaled(options, SensorScale::of(camera))),
+      shrink_(std::max(1, cvRound(2.0 * SensorScale::of(camera).pixels))),
+      depth_reach_(std::max(1, cvRound(3.0 * SensorScale::of(camera).pixels))) {}
 
 EgoMotion EgoMotionEstimator::update(const cv::Mat& grey, const cv::Mat& depth,
                                      const cv::Mat& trust) {
-  cv::Mat half;
-  cv::resize(grey, half, grey.size() / 2, 0, 0, cv::INTER_AREA);
+  cv::Mat small;
+  cv::resize(grey, small, grey.size() / shrink_, 0, 0, cv::INTER_AREA);
   std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(half, pyramid, window, pyramid_levels);
+  cv::buildOpticalFlowPyramid(small, pyramid, window, pyramid_levels);
   EgoMotion motion;
   if (!previous_pyramid_.empty()) {
     const std::vector<Match> matches = track(pyramid, trust);
@@ -48,19 +59,19 @@ EgoMotion EgoMotionEstimator::update(const cv::Mat& grey, const cv::Mat& depth,
     last_motion_ = motion.valid ? motion.current_from_previous : Se3();
   }
   previous_pyramid_ = std::move(pyramid);
-  previous_half_ = half;
+  previous_small_ = small;
   previous_depth_ = depth;
   return motion;
 }
 
 std::vector<cv::Point2f> EgoMotionEstimator::corners() const {
   cv::Mat response;
-  cv::cornerMinEigenVal(previous_half_, response, 3);
+  cv::cornerMinEigenVal(previous_small_, response, 3);
   double best = 0.0;
   cv::minMaxLoc(response, nullptr, &best);
   const double least = std::max(1e-6, options_.min_quality * best);
   std::vector<cv::Point2f> found;
-  const cv::Rect image({}, previous_half_.size());
+  const cv::Rect image({}, previous_small_.size());
   for (int y = 0; y < image.height; y += options_.block) {
     for (int x = 0; x < image.width; x += options_.block) {
       const cv::Rect block = cv::Rect(x, y, options_.block, options_.block) & image;
@@ -81,9 +92,11 @@ std::vector<EgoMotionEstimator::Match> EgoMotionEstimator::track(
   std::vector<uchar> found;
   cv::calcOpticalFlowPyrLK(previous_pyramid_, pyramid, from, to, found, cv::noArray(), window,
                            pyramid_levels);
-  // Pixels of the half-size image sit between those of the full one.
-  const auto to_full = [](const cv::Point2f& p) {
-    return cv::Point2f(2 * p.x + 0.5F, 2 * p.y + 0.5F);
+  // Pixels of the small image sit between those of the full one.
+  const auto step = static_cast<float>(shrink_);
+  const auto to_full = [step](const cv::Point2f& p) {
+    const float centre = 0.5F * (step - 1.0F);
+    return cv::Point2f(step * p.x + centre, step * p.y + centre);
   };
   std::vector<cv::Point2f> previous_pixels, current_pixels;
   std::vector<float> depths, weights;
@@ -94,7 +107,7 @@ std::vector<EgoMotionEstimator::Match> EgoMotionEstimator::track(
     const float weight =
         trust.at<float>(std::min(static_cast<int>(p.y * to_trust), trust.rows - 1),
                         std::min(static_cast<int>(p.x * to_trust), trust.cols - 1));
-    const float z = smooth_depth(previous_depth_, p);
+    const float z = smooth_depth(previous_depth_, p, depth_reach_);
     if (weight <= 0.0F || z <= 0.0F || q.x < 0 || q.y < 0 || q.x >= previous_depth_.cols ||
         q.y >= previous_depth_.rows) {
       continue;

@@ -11,9 +11,12 @@ namespace dkp_slam {
 
 class OptionList;
 
+/// Pixels and frames are those of images 640 wide at 30 Hz; the estimator scales them to its camera
+/// (see SensorScale).
 struct EgoMotionOptions {
-  /// Pixels of the half-size image; each block of this size gives its best corner. Even spread: the
-  /// room keeps its say beside a person in a checked shirt. 16 gives up to 300 at 640 x 480.
+  /// Pixels of the half-size image, 320 wide; each block of this size gives its best corner. Even
+  /// spread: the room keeps its say beside a person in a checked shirt. 16 gives up to 300 at
+  /// 640 x 480.
   int block = 16;
   float min_quality = 0.003F;  ///< least response of a corner, as a share of the image's best
   /// Pixels of the full image that a static point may miss its predicted place by. Flow at half
@@ -68,9 +71,11 @@ class EgoMotionEstimator {
   double inlier_share(const std::vector<Match>& matches, const Se3& motion) const;
 
   Camera camera_;
-  EgoMotionOptions options_;
+  EgoMotionOptions options_;  // scaled to the camera
+  int shrink_;                // pixels of the image in one of the small one, along a side
+  int depth_reach_;           // pixels within which depth must not jump
   std::vector<cv::Mat> previous_pyramid_;
-  cv::Mat previous_half_, previous_depth_;
+  cv::Mat previous_small_, previous_depth_;
   Se3 last_motion_;
 };
 

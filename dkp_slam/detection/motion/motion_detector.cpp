@@ -143,7 +143,7 @@ void MotionDetector::gather(const CoarseView& view, const cv::Mat& depth_evidenc
       float& log_odds = log_odds_.at<float>(v, u);
       float& standing = standing_.at<float>(v, u);
       const uchar depth = depth_evidence.at<uchar>(v, u);
-      const int vote = motion.vote.at<schar>(v, u);
+      const schar vote = motion.vote.at<schar>(v, u);
       if (is(depth, DepthEvidence::farther)) {  // what stood before it has left
         log_odds = std::min(log_odds, -0.5F);
         standing = 0.0F;

@@ -33,22 +33,6 @@ std::optional<cv::Rect2f> box_at(const ObjectTracker::Tracked& t, double time) {
       ->box;
 }
 
-/// A box seen on the object at an earlier time, moved as the object has moved since.
-cv::Rect2f carried_by(const ObjectTracker::Tracked& t, const cv::Rect2f& box, double time) {
-  if (t.past.empty() || time > t.past.back().time + same_time) return box;
-  cv::Point2f shift = t.shift;
-  float depth_then = t.past.back().depth;
-  for (std::size_t k = t.past.size() - 1; k > 0; --k) {
-    if (t.past[k].time <= time + same_time) break;
-    // The image may lie between two frames, where it was dropped itself.
-    const double length = t.past[k].time - t.past[k - 1].time;
-    const double share = length > 0.0 ? (t.past[k].time - time) / length : 0.0;
-    shift += static_cast<float>(std::min(1.0, share)) * t.past[k].shift;
-    depth_then = t.past[k - 1].depth;
-  }
-  return moved_box(box, shift, depth_then, t.object.mean_depth);
-}
-
 /// `now` drawn out to the borders of the image that the box lay at before: who comes in goes on
 /// beyond what was seen.
 cv::Rect2f kept_at_border(const cv::Rect2f& before, const cv::Rect2f& now, const cv::Size& image) {
@@ -94,7 +78,7 @@ void ObjectTracker::predict(double time, const cv::Size& image,
   const auto seconds = static_cast<float>(dt);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     Tracked& t = objects_[i];
-    t.past.push_back({last_time_, t.object.box, t.object.mean_depth, t.shift});
+    t.past.push_back({last_time_, t.object.box});
     while (time - t.past.front().time > options_.longest_delay + dt) t.past.pop_front();
     if (i < flow.size() && flow[i] && dt > 0.0) t.velocity = *flow[i] / seconds;
     t.shift = t.velocity * seconds;
@@ -153,6 +137,22 @@ void ObjectTracker::take(const Detection& d, const cv::Rect2f& box, double image
   t.seen_depth = 0.0F;
 }
 
+/// A late detection's box together with where the object's mask went, as far as an object of that
+/// size can reach: the carried box drifts, and the mask of the frame before does not. A mask that
+/// is mostly another object's says nothing: who stands in front was cut in place of who is behind.
+cv::Rect2f ObjectTracker::with_mask(const cv::Rect2f& box, const Tracked& t) const {
+  if (t.mask.empty()) return box;
+  const int area = cv::countNonZero(t.mask.mask);
+  for (const Tracked& other : objects_) {
+    if (&other != &t && 2 * mask_overlap(t.mask, other.mask) > area) return box;
+  }
+  const cv::Size2f size(options_.carried_growth * box.width, options_.carried_growth * box.height);
+  const cv::Point2f centre = 0.5F * (box.tl() + box.br());
+  const cv::Rect2f reach(centre - 0.5F * cv::Point2f(size), size);
+  const cv::Rect2f seen = (mask_box(t.mask) + t.shift) & reach;
+  return seen.area() > 0.0F ? box | seen : box;
+}
+
 void ObjectTracker::associate(const std::vector<Sighting>& sightings, double image_time,
                               const cv::Size& image) {
   const bool late = last_time_ - image_time > same_time;
@@ -163,9 +163,10 @@ void ObjectTracker::associate(const std::vector<Sighting>& sightings, double ima
     object_taken[o] = detection_taken[d] = true;
     Tracked& t = objects_[o];
     const Detection& detection = *sightings[d].detection;
-    const cv::Rect2f box =
-        box_at(t, image_time) ? carried_by(t, detection.box, image_time) : sightings[d].now.box;
-    take(detection, kept_at_border(detection.box, box, image), image_time, image, t);
+    cv::Rect2f box = sightings[d].now.box;
+    if (late) box = with_mask(kept_at_border(detection.box, box, image), t);
+    take(detection, box, image_time, image, t);
+    t.seen_size = sightings[d].now.box.size();
     if (!late) t.silhouette = detection.mask;
   }
   for (std::size_t o = 0; o < objects_.size(); ++o) {
@@ -177,7 +178,8 @@ void ObjectTracker::associate(const std::vector<Sighting>& sightings, double ima
     if (detection.score < options_.start_score || detection.box.area() <= 0.0F) continue;
     Tracked fresh;
     const MotionHistory::Carried& now = sightings[d].now;
-    take(detection, kept_at_border(detection.box, now.box, image), image_time, image, fresh);
+    const cv::Rect2f box = late ? kept_at_border(detection.box, now.box, image) : detection.box;
+    take(detection, box, image_time, image, fresh);
     if (late && leaving(fresh)) continue;
     fresh.object.id = next_id_++;
     if (late) {

@@ -61,12 +61,10 @@ class ObjectTracker {
     /// The newest answer of the detector did not hold it (true for what no detector ever saw): a
     /// verdict, which having no answer is not.
     bool missed = false;
-    /// It in an earlier frame: box clipped to the image, T, and the shift into that frame.
+    /// Where it was in an earlier frame.
     struct Past {
-      double time = 0.0;
-      cv::Rect2f box;
-      float depth = 0.0F;
-      cv::Point2f shift;
+      double time = 0.0;  ///< seconds
+      cv::Rect2f box;     ///< clipped to the image
     };
     std::deque<Past> past;    ///< the oldest first, over `longest_delay`
     cv::Size2f seen_size;     ///< of the box when it was last detected, pixels
@@ -93,10 +91,9 @@ class ObjectTracker {
   /// where there were too few; the object's own velocity then stands in. Detections of weight 1 or
   /// less are ignored.
   ///
-  /// An answer about an earlier image is compared with where objects were then, and its boxes are
-  /// moved as they have moved since; what it sees for the first time is carried by `history` (it
-  /// stays where it was seen without one). Without an answer, or with one that was given before,
-  /// objects live on and nothing is missed.
+  /// An answer about an earlier image is compared with where objects were then; `history` carries
+  /// what it saw to now (it stays where it was seen without one). Without an answer, or with one
+  /// that was given before, objects live on and nothing is missed.
   void update(double time, const cv::Size& image, const DetectionResult& answer,
               const std::vector<std::optional<cv::Point2f>>& flow,
               const MotionHistory* history = nullptr);
@@ -123,6 +120,7 @@ class ObjectTracker {
                const std::vector<std::optional<cv::Point2f>>& flow);
   std::vector<Pair> agreements(const std::vector<Sighting>& sightings, double image_time) const;
   void associate(const std::vector<Sighting>& sightings, double image_time, const cv::Size& image);
+  cv::Rect2f with_mask(const cv::Rect2f& box, const Tracked& tracked) const;
   void take(const Detection& detection, const cv::Rect2f& box, double image_time,
             const cv::Size& image, Tracked& tracked) const;
   void drop_gone();

@@ -164,7 +164,28 @@ TEST(ObjectTracker, ACarriedObjectThatComesNearerGrows) {
 /// A person who walks 10 px a frame at 10 Hz, and what is said of him `delay` frames later.
 class LateAnswers : public ::testing::Test {
  protected:
+  static Camera camera() {
+    Camera c;
+    c.fx = c.fy = 525.0;
+    c.cx = 319.5;
+    c.cy = 239.5;
+    return c;
+  }
   static float left(int frame) { return 100.0F + 10.0F * static_cast<float>(frame); }
+  /// Everything in the image, 2 m off, moves by `flow` into the frame.
+  void move_all(double time, const cv::Point2f& flow) {
+    std::vector<cv::Point2f> points;
+    FlowResult tracks;
+    for (int y = 10; y < 480; y += 20) {
+      for (int x = 10; x < 640; x += 20) {
+        points.emplace_back(float(x), float(y));
+        tracks.previous.push_back(points.back() - flow);
+      }
+    }
+    tracks.tracked.assign(points.size(), 1);
+    const cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(2.0F));
+    history_.add(time, make_depth_view(depth, rays_), points, tracks);
+  }
   /// The frame, with the answer about image `of`; none for a negative one.
   void frame(int index, int of, bool seen = true) {
     DetectionResult answer;
@@ -174,11 +195,14 @@ class LateAnswers : public ::testing::Test {
     }
     std::vector<std::optional<cv::Point2f>> flow;
     if (!tracker_.objects().empty()) flow.emplace_back(cv::Point2f(10.0F, 0.0F));
-    tracker_.update(index * 0.1, image, answer, flow);
+    move_all(index * 0.1, {10.0F, 0.0F});
+    tracker_.update(index * 0.1, image, answer, flow, &history_);
   }
   const ObjectTracker::Tracked& only() const { return tracker_.objects().at(0); }
 
   ObjectTracker tracker_{ObjectTrackerOptions{}};
+  cv::Mat rays_ = depth_view_rays(camera());
+  MotionHistory history_{camera(), {}, 1.0};
 };
 
 TEST_F(LateAnswers, AreMovedToNowAndMeetWhoWasThereThen) {
@@ -249,13 +273,39 @@ TEST_F(LateAnswers, OnesTooLateAreNotUsed) {
   EXPECT_TRUE(tracker_.objects().empty());
 }
 
+TEST_F(LateAnswers, StartWhereTheyAreNow) {
+  for (int i = 0; i < 6; ++i) frame(i, -1);
+  frame(6, 2);
+  ASSERT_EQ(tracker_.objects().size(), 1U);
+  EXPECT_NEAR(only().object.box.x, left(6), 1e-2F);
+  EXPECT_NEAR(only().velocity.x, 100.0F, 0.1F);
+  EXPECT_NEAR(only().object.mean_depth, 2.0F, 0.02F);
+}
+
+TEST_F(LateAnswers, ReachAsFarAsTheMaskOfTheFrameBefore) {
+  frame(0, 0);
+  for (int i = 1; i < 4; ++i) frame(i, -1);
+  const cv::Rect box = only().object.box;
+  tracker_.set_mask(0, mask_of(cv::Rect(box.x - 10, box.y, box.width, box.height), 2.0F), true);
+  frame(4, 1);
+  EXPECT_NEAR(only().object.box.x, left(4) - 10.0F, 2.0F);
+  EXPECT_NEAR(only().object.box.br().x, left(4) + 100.0F, 1e-2F);
+  // But no farther than an object of its size can be seen to.
+  tracker_.set_mask(0, mask_of(cv::Rect(0, 100, 400, 250), 2.0F), true);
+  frame(5, 2);
+  EXPECT_NEAR(only().object.box.width, 130.0F, 2.0F);
+}
+
 TEST_F(LateAnswers, WhoComesInReachesToTheBorderStill) {
   Detection entering = person(0.0F, 0.8F);
   entering.box.width = 40.0F;
-  tracker_.update(0.0, image, {0.0, true, {entering}}, {});
-  tracker_.update(0.1, image, {}, {cv::Point2f(30.0F, 0.0F)});
+  move_all(0.0, {});
+  tracker_.update(0.0, image, {0.0, true, {entering}}, {}, &history_);
+  move_all(0.1, {30.0F, 0.0F});
+  tracker_.update(0.1, image, {}, {cv::Point2f(30.0F, 0.0F)}, &history_);
   entering.box.width = 70.0F;
-  tracker_.update(0.2, image, {0.1, true, {entering}}, {cv::Point2f(30.0F, 0.0F)});
+  move_all(0.2, {30.0F, 0.0F});
+  tracker_.update(0.2, image, {0.1, true, {entering}}, {cv::Point2f(30.0F, 0.0F)}, &history_);
   ASSERT_EQ(tracker_.objects().size(), 1U);
   EXPECT_FLOAT_EQ(only().object.box.x, 0.0F);
   EXPECT_NEAR(only().object.box.width, 100.0F, 1e-2F);

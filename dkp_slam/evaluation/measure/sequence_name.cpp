@@ -29,14 +29,14 @@ std::optional<std::string> paper_name(const std::string& motion) {
 
 std::string camera_file(const std::string& sequence) {
   for (const char digit : {'1', '2', '3'}) {
-    for (const char* name : {"fr", "freiburg"}) {
-      if (sequence.find(std::string(name) + digit) == std::string::npos) continue;
+    if (sequence.starts_with(fmt::format("rgbd_dataset_freiburg{}_", digit))) {
       return fmt::format("tum_fr{}.yaml", digit);
     }
   }
-  if (sequence.starts_with("composite")) return "tum_fr1.yaml";
-  if (sequence.find("bonn") != std::string::npos) return "bonn.yaml";
-  throw Error(sequence + ": which camera is it from? The name must hold fr1, fr2, fr3 or bonn");
+  if (sequence.starts_with("rgbd_bonn_")) return "bonn.yaml";
+  throw Error(sequence +
+              ": its name is none of a benchmark's (rgbd_dataset_freiburg1_..., rgbd_bonn_...), so "
+              "its camera must be given");
 }
 
 std::optional<PaperSequence> paper_sequence(const std::string& sequence,

@@ -5,8 +5,9 @@
 
 namespace dkp_slam {
 
-/// Camera file of a sequence, by its name: fr1, fr2, fr3 (freiburg1 to 3), composites are on fr1,
-/// bonn. Throws `Error` for a name that says nothing.
+/// Camera file of a sequence of a benchmark, by the name that it has there:
+/// rgbd_dataset_freiburg1_..., rgbd_dataset_freiburg2_..., rgbd_dataset_freiburg3_... (TUM) and
+/// rgbd_bonn_... Throws `Error` for every other name: a calibration is not guessed.
 std::string camera_file(const std::string& sequence);
 
 /// The paper's name of a sequence.

@@ -8,11 +8,14 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/geometry/sensor_scale.h"
 #include "dkp_slam/synth/noise/counter_random.h"
 
 namespace dkp_slam {
 namespace {
 
+// Pixels are those of an image 640 wide, as the sensor's own is: one of another size shows the same
+// readings on more or fewer of them.
 constexpr float disparity_steps = 8.0F;   // per pixel
 constexpr double edge_shift = 0.5;        // pixels, standard deviation
 constexpr float edge_ratio = 1.04F;       // depths of neighbours that differ by more are an edge
@@ -55,10 +58,13 @@ bool at_edge(const cv::Mat& depth, int x, int y) {
 
 cv::Mat kinect_depth(const cv::Mat& depth, const Camera& camera, cv::RNG& rng) {
   CV_Assert(depth.type() == CV_32FC1);
+  const double scale = SensorScale::of(camera).pixels;
   const auto focal_baseline = static_cast<float>(camera.fx * camera.baseline);
+  const auto steps = static_cast<float>(disparity_steps / scale);
   // The camera's depth noise grows with z^2 as disparity noise of this size does.
   const double sigma = std::max(camera.depth_noise.quadratic * focal_baseline, 0.02);
-  const auto spread = [&](int cell, int kind, double a, double b) {
+  const auto spread = [&](int usual_cell, int kind, double a, double b) {
+    const int cell = std::max(1, cvRound(usual_cell * scale));
     cv::Mat coarse(depth.rows / cell + 2, depth.cols / cell + 2, CV_32FC1), fine;
     rng.fill(coarse, kind, a, b);
     cv::resize(coarse, fine, depth.size(), 0, 0, cv::INTER_LINEAR);
@@ -77,8 +83,8 @@ cv::Mat kinect_depth(const cv::Mat& depth, const Camera& camera, cv::RNG& rng) {
       row[x] = depth.at<float>(y, x);
       if (!at_edge(depth, x, y)) continue;
       const auto counter = 3U * static_cast<std::uint32_t>(y * depth.cols + x);
-      const int dx = cvRound(edge_shift * random.normal(counter));
-      const int dy = cvRound(edge_shift * random.normal(counter + 1));
+      const int dx = cvRound(scale * edge_shift * random.normal(counter));
+      const int dy = cvRound(scale * edge_shift * random.normal(counter + 1));
       const bool hole = random.uniform(counter + 2) < edge_hole_share;
       row[x] = hole ? 0.0F
                     : depth.at<float>(std::clamp(y + dy, 0, depth.rows - 1),
@@ -89,7 +95,7 @@ cv::Mat kinect_depth(const cv::Mat& depth, const Camera& camera, cv::RNG& rng) {
       if (row[x] <= 0.0F) continue;
       const bool faded = row[x] > all_seen + (none_seen - all_seen) * sight.at<float>(y, x);
       const float disparity = focal_baseline / row[x] + noise.at<float>(y, x);
-      const float step = std::round(disparity * disparity_steps) / disparity_steps;
+      const float step = std::round(disparity * steps) / steps;
       const float measured = step > 0.0F ? focal_baseline / step : 0.0F;
       row[x] = !faded && measured >= from && measured <= to ? measured : 0.0F;
     }

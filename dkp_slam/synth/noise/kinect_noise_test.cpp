@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dkp_slam/geometry/sensor_scale.h"
 #include "dkp_slam/synth/source.h"
 
 namespace dkp_slam {
@@ -24,6 +25,25 @@ TEST(KinectNoise, GrowsWithTheSquareOfTheDepthAsTheCameraFileSays) {
     const double expected = std::hypot(camera.depth_noise.quadratic * z * z, rounding);
     EXPECT_GT(deviation[0], 0.5 * expected);
     EXPECT_LT(deviation[0], 1.3 * expected);
+  }
+}
+
+TEST(KinectNoise, IsTheSameInMetresAtAnySize) {
+  const Camera usual = SyntheticOptions::default_camera();
+  for (const int width : {320, 640, 1280}) {
+    const Camera camera = resized(usual, width, 240);
+    cv::RNG rng(5);
+    cv::Mat noisy = kinect_depth(cv::Mat(240, width, CV_32FC1, cv::Scalar(3.0)), camera, rng);
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(noisy, mean, deviation);
+    EXPECT_NEAR(mean[0], 3.0, 0.01) << width;
+    EXPECT_NEAR(deviation[0], 0.0142, 0.0020) << width;
+    // Readings differ by whole eighths of a pixel of disparity at 640.
+    const auto first = noisy.at<float>(0, 0);
+    for (int x = 0; x < width; ++x) {
+      const double apart = usual.fx * usual.baseline * (1.0 / noisy.at<float>(0, x) - 1.0 / first);
+      EXPECT_NEAR(8.0 * apart, std::round(8.0 * apart), 1e-3) << width;
+    }
   }
 }
 

@@ -1,0 +1,49 @@
+#include "dkp_slam/system/scaled_config.h"
+
+#include <gtest/gtest.h>
+
+#include "dkp_slam/geometry/sensor_scale.h"
+
+namespace dkp_slam {
+namespace {
+
+SlamConfig config_of(int width, double rate) {
+  SlamConfig config;
+  config.camera.fx = config.camera.fy = 530.0;
+  config.camera.cx = 319.5;
+  config.camera.cy = 239.5;
+  config.camera.frame_rate = rate;
+  config.camera = resized(config.camera, width, width * 3 / 4);
+  return config;
+}
+
+TEST(ScaledConfig, NothingChangesAtTheUsualSizeAndRate) {
+  const SlamConfig config = config_of(640, 30.0), scaled = scaled_to_camera(config);
+  EXPECT_EQ(scaled.tracking.motion_radius, config.tracking.motion_radius);
+  EXPECT_EQ(scaled.measurement.pixel_sigma, config.measurement.pixel_sigma);
+  EXPECT_EQ(scaled.orb.levels, config.orb.levels);
+  EXPECT_EQ(scaled.mapping.bundle_delay, config.mapping.bundle_delay);
+  EXPECT_EQ(scaled.mapping.full.delay, config.mapping.full.delay);
+}
+
+TEST(ScaledConfig, AnglesAndSecondsStay) {
+  const SlamConfig small = scaled_to_camera(config_of(320, 15.0));
+  // Half the pixels for an angle, and twice the time for the prediction to go wrong.
+  EXPECT_FLOAT_EQ(small.tracking.motion_radius, 12.0F);
+  EXPECT_DOUBLE_EQ(small.measurement.pixel_sigma, 0.5);
+  EXPECT_EQ(small.orb.levels, 4);  // 1.2^4 is 2
+  EXPECT_EQ(small.mapping.bundle_delay, 3);
+  EXPECT_EQ(small.mapping.full.delay, 15);
+  const SlamConfig large = scaled_to_camera(config_of(1280, 30.0));
+  EXPECT_FLOAT_EQ(large.tracking.motion_radius, 24.0F);
+  EXPECT_EQ(large.orb.levels, 8);
+  EXPECT_DOUBLE_EQ(large.measurement.pixel_sigma, 1.0);
+  EXPECT_EQ(large.mapping.bundle_delay, 6);
+}
+
+TEST(ScaledConfig, TheSmallestImageKeepsAPyramid) {
+  EXPECT_EQ(scaled_to_camera(config_of(80, 30.0)).orb.levels, 3);
+}
+
+}  // namespace
+}  // namespace dkp_slam

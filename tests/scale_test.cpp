@@ -1,0 +1,71 @@
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "dkp_slam/geometry/sensor_scale.h"
+#include "dkp_slam/synth/true_detections.h"
+#include "tests/support/recording.h"
+#include "tests/support/run.h"
+
+namespace dkp_slam {
+namespace {
+
+using testing::motion_detector;
+using testing::Outcome;
+using testing::Recording;
+using testing::run;
+
+/// Knows the exact box of everybody.
+class ExactBoxes : public Detector {
+ public:
+  explicit ExactBoxes(const Recording& room) : room_(room) {}
+  std::string name() const override { return "exact boxes"; }
+  std::vector<Detection> detect(const RgbdFrame& frame) override {
+    return true_detections(room_.truths.at(static_cast<std::size_t>(frame.index)));
+  }
+
+ private:
+  const Recording& room_;
+};
+
+/// The same three seconds, from the time on when somebody gets up and walks up to the camera, as a
+/// camera of that size and rate sees them.
+Recording walk_seen_by(int width, int height, double rate) {
+  Camera camera = resized(SyntheticOptions::default_camera(), width, height);
+  camera.frame_rate = rate;
+  const auto frames = [rate](double seconds) { return static_cast<std::size_t>(seconds * rate); };
+  return Recording("walking_halfsphere", camera, frames(3.0), frames(3.0));
+}
+
+struct Errors {
+  double exact_boxes = 0.0, motion = 0.0;  ///< ATE, metres
+};
+
+/// Without any option. No frame may be lost.
+Errors errors_in(const Recording& room) {
+  const auto error = [&room](std::unique_ptr<Detector> detector) {
+    const Outcome outcome =
+        run(room.play(), std::move(detector), room.camera, DynamicsMode::dkp_plus);
+    EXPECT_EQ(outcome.lost(), std::vector<int>()) << room.camera.width;
+    return room.error(outcome.path);
+  };
+  const Errors errors{error(std::make_unique<ExactBoxes>(room)),
+                      error(motion_detector(room.camera))};
+  std::printf("%d: %.4f %.4f\n", room.camera.width, errors.exact_boxes, errors.motion);
+  return errors;
+}
+
+TEST(Scale, ErrorsStayAtOtherSizesAndRates) {
+  const Errors usual = errors_in(walk_seen_by(640, 480, 30.0));
+  const Errors small = errors_in(walk_seen_by(320, 240, 15.0));
+  EXPECT_LT(small.exact_boxes, 2.0 * usual.exact_boxes);
+  EXPECT_LT(small.motion, 2.0 * usual.motion);
+  const Errors large = errors_in(walk_seen_by(1280, 720, 30.0));
+  EXPECT_LT(large.exact_boxes, 1.2 * usual.exact_boxes);
+  EXPECT_LT(large.motion, 1.2 * usual.motion);
+}
+
+}  // namespace
+}  // namespace dkp_slam
