@@ -19,6 +19,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/feature/orb_extractor.h"
 #include "dkp_slam/map/map_parts.h"
+#include "dkp_slam/map/map_snapshot.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/stopwatch.h"

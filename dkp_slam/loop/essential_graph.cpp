@@ -4,8 +4,8 @@
 
 namespace dkp_slam {
 
-EssentialGraph::EssentialGraph(const Map& map, int which, const EssentialGraphOptions& options)
-    : which_(which), options_(options), first_later_(map.keyframe_ids()) {}
+EssentialGraph::EssentialGraph(const Map& map, int which, int least_shared)
+    : which_(which), least_shared_(least_shared), first_later_(map.keyframe_ids()) {}
 
 bool EssentialGraph::gather(const Map& map, int ids) {
   const int end = std::min(first_later_, next_ + ids);
@@ -27,7 +27,7 @@ void EssentialGraph::add(const Map& map, int keyframe) {
   if (parent >= 0) edges_.emplace_back(parent, keyframe);
   for (const auto& [other, shared] : k.covisible) {
     if (other >= keyframe) break;
-    if (other != parent && shared >= options_.least_shared) edges_.emplace_back(other, keyframe);
+    if (other != parent && shared >= least_shared_) edges_.emplace_back(other, keyframe);
   }
 }
 
@@ -36,7 +36,8 @@ int EssentialGraph::node_of(int keyframe) const {
   return it != keyframes_.end() && *it == keyframe ? static_cast<int>(it - keyframes_.begin()) : -1;
 }
 
-MapMove EssentialGraph::solve(const std::vector<LoopEdge>& loops, const PoseGraphOptions& options,
+MapMove EssentialGraph::solve(const std::vector<LoopEdge>& loops, double loop_weight,
+                              const PoseGraphOptions& options,
                               const std::atomic<bool>* stop) const {
   PoseGraph graph;
   for (const Se3& pose : poses_) graph.nodes.push_back({pose, graph.nodes.empty()});
@@ -49,7 +50,7 @@ MapMove EssentialGraph::solve(const std::vector<LoopEdge>& loops, const PoseGrap
   }
   for (const LoopEdge& l : loops) {
     const int a = node_of(l.from), b = node_of(l.to);
-    if (a >= 0 && b >= 0) graph.edges.push_back({a, b, l.to_from_from, options_.loop_weight});
+    if (a >= 0 && b >= 0) graph.edges.push_back({a, b, l.to_from_from, loop_weight});
   }
   const std::vector<Se3> solved = optimize_pose_graph(graph, options, stop);
   MapMove move;

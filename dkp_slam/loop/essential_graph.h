@@ -8,13 +8,6 @@
 
 namespace dkp_slam {
 
-struct EssentialGraphOptions {
-  int least_shared = 100;  ///< landmarks that make two keyframes an edge
-  /// Of a loop's edge against all others. Those repeat one and the same drift many times, as
-  /// neighbours at every distance, and would outvote it.
-  double loop_weight = 30.0;
-};
-
 /// Where a keyframe lies to an older one, by what both show and not by the path from one to the
 /// other.
 struct LoopEdge {
@@ -27,7 +20,8 @@ struct LoopEdge {
 /// piece, as values, and solved by another thread.
 class EssentialGraph {
  public:
-  EssentialGraph(const Map& map, int which, const EssentialGraphOptions& options = {});
+  /// `least_shared`: landmarks that make two keyframes an edge.
+  EssentialGraph(const Map& map, int which, int least_shared);
 
   /// Goes through so many keyframe ids more; true when all are in. Poses are those of that moment.
   bool gather(const Map& map, int ids);
@@ -38,9 +32,10 @@ class EssentialGraph {
   int first_later() const { return first_later_; }
 
   /// How the keyframes move so that all edges, with those of the loops, agree best. Loops whose
-  /// keyframes the graph does not have are left out. Nothing moves where `stop` was set.
-  MapMove solve(const std::vector<LoopEdge>& loops, const PoseGraphOptions& options,
-                const std::atomic<bool>* stop = nullptr) const;
+  /// keyframes the graph does not have are left out. `loop_weight`: of a loop's edge against each
+  /// other one. Nothing moves where `stop` was set.
+  MapMove solve(const std::vector<LoopEdge>& loops, double loop_weight,
+                const PoseGraphOptions& options, const std::atomic<bool>* stop = nullptr) const;
 
  private:
   /// Index of a keyframe in the graph, -1 where it does not have it.
@@ -48,7 +43,7 @@ class EssentialGraph {
   void add(const Map& map, int keyframe);
 
   int which_;
-  EssentialGraphOptions options_;
+  int least_shared_;
   int first_later_;
   int next_ = 0;                            // keyframe id
   std::vector<int> keyframes_;              // the nodes, ascending

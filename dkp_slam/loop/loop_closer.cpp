@@ -21,8 +21,9 @@ LoopCloser::LoopCloser(const LoopCloserOptions& options, std::uint64_t seed, boo
       seed_(seed),
       realtime_(realtime),
       detector_(options.detector),
-      worker_([graph = options.graph](const Problem& problem, const std::atomic<bool>& stop) {
-        return Solution{problem.graph.solve(problem.loops, graph, &stop),
+      worker_([weight = options.loop_weight, graph = options.graph](const Problem& problem,
+                                                                    const std::atomic<bool>& stop) {
+        return Solution{problem.graph.solve(problem.loops, weight, graph, &stop),
                         problem.graph.first_later()};
       }) {}
 
@@ -86,7 +87,7 @@ bool LoopCloser::align(const Map& map, const MeasurementModel& model, int old) {
   loop_.moved = off.translation.norm();
   spdlog::info("keyframe {}: loop to keyframe {} found, {} matches, {:.3f} m and {:.2f} deg off",
                keyframe, old, matches, loop_.moved, off.angle() * 180.0 / M_PI);
-  graph_.emplace(map, map.keyframe(keyframe).map, options_.edges);
+  graph_.emplace(map, map.keyframe(keyframe).map, options_.least_shared);
   stage_ = Stage::gathering;
   return true;
 }

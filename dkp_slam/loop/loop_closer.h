@@ -19,9 +19,12 @@ class OptionList;
 
 struct LoopCloserOptions {
   LoopDetectorOptions detector;
-  EssentialGraphOptions edges;
   PoseGraphOptions graph;
-  int least_matches = 40;    ///< landmarks of the old place that the new keyframe must show
+  int least_matches = 40;  ///< landmarks of the old place that the new keyframe must show
+  int least_shared = 100;  ///< landmarks that make two keyframes an edge of the essential graph
+  /// Of a loop's edge against all others. Those repeat one and the same drift many times, as
+  /// neighbours at every distance, and would outvote it.
+  double loop_weight = 30.0;
   int fused_neighbours = 8;  ///< keyframes about the new one whose landmarks are fused as well
   /// Frames from the snapshot of the poses until the map is put right: this many, and one more per
   /// so many keyframes. A fixed number makes the result independent of how fast the machine is: who

@@ -19,9 +19,9 @@ void LoopCloserOptions::describe(OptionList& list) {
   list.add_part("graph", graph, "pose graph over the essential graph");
   list.add("least_matches", least_matches, at_least(3), "",
            "landmarks of the old place that the new keyframe must show");
-  list.add("least_shared", edges.least_shared, at_least(1), "",
+  list.add("least_shared", least_shared, at_least(1), "",
            "landmarks that make two keyframes an edge of the essential graph");
-  list.add("loop_weight", edges.loop_weight, above(0), "", "of a loop's edge against all others");
+  list.add("loop_weight", loop_weight, above(0), "", "of a loop's edge against all others");
   list.add("fused_neighbours", fused_neighbours, at_least(0), "",
            "keyframes about the new one whose landmarks are fused as well");
   list.add("delay", delay, at_least(0), "frames",
