@@ -361,8 +361,7 @@ TEST_F(Tracking, LocalizeOnlyLeavesTheMapAsItIs) {
   Frame first = frame_at({}, 0);
   ASSERT_TRUE(track(first).keyframe_due);
   const MapParts before = parts_of(map);
-  options.localize_only = true;
-  made_.reset();
+  made_.emplace(map, places, MeasurementModel(), options, /*localize_only=*/true);
   // Lost at first, as in any map from before; then for so long that another map would be begun; and
   // with landmarks that move.
   for (int i = 0; i < 100; ++i) {
