@@ -40,14 +40,15 @@ class ExactBoxes : public Detector {
 struct Twin {
   std::string scenario;
   std::size_t frames, first_frame;
-  double bound;  ///< of the ATE, metres
+  double bound;        ///< of the ATE, metres
+  bool people_matter;  ///< they walk, so that mode off misses the bound
 };
 std::ostream& operator<<(std::ostream& out, const Twin& twin) { return out << twin.scenario; }
 
 class Twins : public ::testing::TestWithParam<Twin> {};
 
-// Half the width, which is rendered in a third of the time and makes every error three times as
-// large. From the time on when somebody has got up and walks up to the camera.
+// Half the width, which is rendered in a third of the time and makes every error twice as large.
+// From the time on when somebody has got up and walks up to the camera.
 constexpr int divisor = 2;
 constexpr std::size_t first_walk = 90;
 
@@ -62,21 +63,24 @@ TEST_P(Twins, ExactBoxesAndMotionDetector) {
     EXPECT_EQ(outcome.lost(), std::vector<int>());
     EXPECT_LT(room.error(outcome.path), twin.bound);
   }
+  if (!twin.people_matter) return;
+  // A bound that a system which knows nothing of people keeps would tell nothing.
+  const Outcome off = run(room.play(), nullptr, room.camera, DynamicsMode::off);
+  EXPECT_GT(room.error(off.path), twin.bound) << "mode off";
 }
 
-// The bounds are those that the whole sequences must keep, of 600 frames of full width; 2 mm more
-// for a camera held still, whose pictures here are too small for it. Measured with exact boxes and
-// with the motion detector (and in mode off); other seeds of the system change the static twins'
-// figures by 0.0002 at most, another placing of the renderer's rays those of the others by up to
-// 0.002.
+// Between what is measured with exact boxes and with the motion detector, and what mode off comes
+// to (in brackets). Other seeds of the system change the static twins' figures by 0.0002 at most,
+// another placing of the renderer's rays those of the others by up to 0.002.
 INSTANTIATE_TEST_SUITE_P(
     Synthetic, Twins,
-    ::testing::Values(Twin{"walking_xyz", 60, first_walk, 0.015},         // 0.0060, 0.0063 (0.022)
-                      Twin{"walking_rpy", 60, 150, 0.030},         // 0.0041, 0.0070 (0.006)
-                      Twin{"walking_halfsphere", 60, first_walk, 0.020},  // 0.0098, 0.0108 (0.138)
-                      Twin{"walking_static", 60, first_walk, 0.008},      // 0.0045, 0.0045 (0.025)
-                      Twin{"sitting_static", 45, 0, 0.008},               // 0.0051, 0.0037 (0.003)
-                      Twin{"sitting_xyz", 45, 0, 0.009}),                 // 0.0058, 0.0053 (0.006)
+    ::testing::Values(
+        Twin{"walking_xyz", 60, first_walk, 0.012, true},         // 0.0039, 0.0038 (0.0285)
+        Twin{"walking_rpy", 60, 150, 0.011, true},                // 0.0053, 0.0076 (0.0137)
+        Twin{"walking_halfsphere", 60, first_walk, 0.015, true},  // 0.0060, 0.0058 (0.1133)
+        Twin{"walking_static", 60, first_walk, 0.008, true},      // 0.0035, 0.0032 (0.0186)
+        Twin{"sitting_static", 45, 0, 0.006, false},              // 0.0034, 0.0026
+        Twin{"sitting_xyz", 45, 0, 0.008, false}),                // 0.0048, 0.0038
     [](const auto& info) { return info.param.scenario; });
 
 TEST(TwinsWithoutDetections, ForASecond) {
@@ -86,7 +90,7 @@ TEST(TwinsWithoutDetections, ForASecond) {
                               room.camera, DynamicsMode::dkp_plus);
   EXPECT_EQ(outcome.lost(), std::vector<int>());
   for (int i = from; i < to; ++i) EXPECT_EQ(outcome.frames[std::size_t(i)].detections, 0);
-  EXPECT_LT(room.error(outcome.path), 0.016);  // measured: 0.0094 and 0.0122
+  EXPECT_LT(room.error(outcome.path), 0.012);  // measured: 0.0071
 }
 
 }  // namespace

@@ -189,7 +189,8 @@ const Engine& Slam::State::finished_engine() const {
 }
 
 Slam::Slam(const SlamConfig& config, std::unique_ptr<Detector> detector, std::optional<Map> stored)
-    : state_(std::make_unique<State>(scaled_to_camera(config), std::move(detector), std::move(stored))) {}
+    : state_(std::make_unique<State>(scaled_to_camera(config), std::move(detector),
+                                     std::move(stored))) {}
 
 Slam::~Slam() {
   state_->pipeline.stop();
