@@ -16,7 +16,7 @@
 #include "dkp_slam/loop/map_joiner.h"
 #include "dkp_slam/map/map_snapshot.h"
 #include "dkp_slam/map_file/map_file.h"
-#include "dkp_slam/mapping/local_bundle.h"
+#include "dkp_slam/mapping/full_adjustment.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;

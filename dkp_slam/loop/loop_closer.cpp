@@ -5,105 +5,139 @@
 #include <spdlog/spdlog.h>
 
 #include "dkp_slam/localization/relocalizer.h"
-#include "dkp_slam/loop/place_joining.h"
 #include "dkp_slam/map/map_snapshot.h"
+#include "dkp_slam/mapping/later_keyframes.h"
 
 namespace dkp_slam {
+namespace {
 
-std::optional<ClosedLoop> LoopCloser::close(Map& map, const PlaceIndex& places,
-                                            const MeasurementModel& model, int keyframe) {
-  for (const int old : detector_.detect(map, places, keyframe)) {
-    Frame seen = frame_of(map.keyframe(keyframe));
-    const int matches = localize_by_keyframe(map, model, seed_, old, seen);
-    if (matches < options_.least_matches) {
-      spdlog::debug("keyframe {}: no loop to keyframe {}, {} matches", keyframe, old, matches);
-      continue;
-    }
-    detector_.reset();
-    ClosedLoop loop{keyframe, old, matches, 0.0,
-                    map.keyframe(keyframe).map != map.keyframe(old).map};
-    if (loop.joined_maps) {
-      join(map, loop, seen);
-    } else {
-      put_right(map, loop, seen);
-    }
-    fuse_seen_again(map, model, keyframe, seen, options_.fused_neighbours);
-    closed_.push_back(loop);
-    return loop;
+/// Keyframes that wait to be looked at: where they come faster than that the oldest are left out.
+constexpr std::size_t most_waiting = 4;
+
+}  // namespace
+
+LoopCloser::LoopCloser(const LoopCloserOptions& options, std::uint64_t seed, bool realtime)
+    : options_(options),
+      seed_(seed),
+      realtime_(realtime),
+      detector_(options.detector),
+      worker_([graph = options.graph](const Problem& problem, const std::atomic<bool>& stop) {
+        return Solution{problem.graph.solve(problem.loops, graph, &stop),
+                        problem.graph.first_later()};
+      }) {}
+
+void LoopCloser::add_keyframe(int keyframe) {
+  if (stage_ != Stage::looking) return;
+  waiting_.push_back(keyframe);
+  if (waiting_.size() > most_waiting) waiting_.erase(waiting_.begin() + 1);
+}
+
+bool LoopCloser::busy() const { return stage_ != Stage::looking || !waiting_.empty(); }
+
+std::optional<ClosedLoop> LoopCloser::advance(Map& map, const PlaceIndex& places,
+                                              const MeasurementModel& model, int frame_index) {
+  if (stage_ == Stage::looking) {
+    look(map, places, model);
+  } else if (stage_ == Stage::gathering) {
+    if (graph_->gather(map, options_.gathered_per_frame)) submit(frame_index);
+  } else if (stage_ == Stage::fusing && fusion_->advance(map, model, options_.effort_per_frame)) {
+    look_again();
+    return loop_;
   }
   return std::nullopt;
 }
 
-void LoopCloser::join(Map& map, ClosedLoop& loop, const Frame& seen) const {
-  join_map_of(map, loop.keyframe, loop.old_keyframe, seen);
-  spdlog::info("keyframe {}: two maps joined at keyframe {}, {} matches", loop.keyframe,
-               loop.old_keyframe, loop.matches);
-}
-
-void LoopCloser::put_right(Map& map, ClosedLoop& loop, const Frame& seen) {
-  const Se3 off = seen.camera_from_world * map.keyframe(loop.keyframe).camera_from_world.inverse();
-  const Se3 keyframe_from_old =
-      seen.camera_from_world * map.keyframe(loop.old_keyframe).camera_from_world.inverse();
-  loops_.push_back({loop.old_keyframe, loop.keyframe, keyframe_from_old});
-  correct(map, map.keyframe(loop.keyframe).map);
-  loop.moved = off.translation.norm();
-  spdlog::info(
-      "keyframe {}: loop to keyframe {} closed, {} matches, was {:.3f} m and {:.2f} deg off",
-      loop.keyframe, loop.old_keyframe, loop.matches, loop.moved, off.angle() * 180.0 / M_PI);
-}
-
-PoseGraph LoopCloser::essential_graph(const Map& map, int which,
-                                      std::vector<int>& node_of_keyframe) const {
-  PoseGraph graph;
-  node_of_keyframe.assign(static_cast<std::size_t>(map.keyframe_ids()), -1);
-  const std::vector<int> keyframes = map.keyframes_in(which);
-  const std::vector<int> ancestor = live_ancestors(map);
-  for (const int k : keyframes) {
-    node_of_keyframe[static_cast<std::size_t>(k)] = static_cast<int>(graph.nodes.size());
-    graph.nodes.push_back({map.keyframe(k).camera_from_world, graph.nodes.empty()});
-  }
-  const auto add = [&](int from, int to, const Se3& to_from_from, double weight) {
-    graph.edges.push_back({node_of_keyframe[static_cast<std::size_t>(from)],
-                           node_of_keyframe[static_cast<std::size_t>(to)], to_from_from, weight});
-  };
-  for (const int k : keyframes) {
-    const Keyframe& keyframe = map.keyframe(k);
-    const auto add_present = [&](int other) {
-      add(other, k, keyframe.camera_from_world * map.keyframe(other).camera_from_world.inverse(),
-          1.0);
-    };
-    const int parent =
-        keyframe.parent < 0 ? -1 : ancestor[static_cast<std::size_t>(keyframe.parent)];
-    if (parent >= 0) add_present(parent);
-    for (const auto& [other, shared] : keyframe.covisible) {
-      if (other < k && other != parent && shared >= options_.least_shared) add_present(other);
+void LoopCloser::look(const Map& map, const PlaceIndex& places, const MeasurementModel& model) {
+  if (waiting_.empty()) return;
+  if (candidates_.empty()) {
+    if (!detector_.looking()) detector_.look_at(waiting_.front());
+    const auto found = detector_.advance(map, places);
+    if (!found) return;
+    candidates_.assign(found->begin(), found->end());
+  } else {
+    const int old = candidates_.front();
+    candidates_.pop_front();
+    if (align(map, model, old)) {
+      waiting_.clear();
+      candidates_.clear();
+      return;
     }
   }
-  for (const LoopEdge& l : loops_) {
-    if (node_of_keyframe[static_cast<std::size_t>(l.from)] >= 0 &&
-        node_of_keyframe[static_cast<std::size_t>(l.to)] >= 0)
-      add(l.from, l.to, l.to_from_from, options_.loop_weight);
-  }
-  return graph;
+  if (candidates_.empty()) waiting_.pop_front();
 }
 
-void LoopCloser::correct(Map& map, int which) const {
-  std::vector<int> node;
-  const std::vector<Se3> poses =
-      optimize_pose_graph(essential_graph(map, which, node), options_.graph);
-  const std::vector<int> keyframes = map.keyframes_in(which);
-  const std::vector<int> landmarks = map.landmarks_of(keyframes);
-  const auto corrected = [&](int k) -> const Se3& {
-    return poses[static_cast<std::size_t>(node[static_cast<std::size_t>(k)])];
-  };
-  // A landmark moves with the first keyframe that sees it.
-  for (const int l : landmarks) {
-    const int k = map.landmark(l).sightings.front().keyframe;
-    map.landmark(l).position =
-        corrected(k).inverse() * (map.keyframe(k).camera_from_world * map.landmark(l).position);
+bool LoopCloser::align(const Map& map, const MeasurementModel& model, int old) {
+  const int keyframe = waiting_.front();
+  if (map.keyframe(keyframe).removed || map.keyframe(old).removed) return false;
+  Frame seen = frame_of(map.keyframe(keyframe));
+  const int matches = localize_by_keyframe(map, model, seed_, old, seen);
+  if (matches < options_.least_matches) {
+    spdlog::debug("keyframe {}: no loop to keyframe {}, {} matches", keyframe, old, matches);
+    return false;
   }
-  for (const int k : keyframes) map.keyframe(k).camera_from_world = corrected(k);
-  for (const int l : landmarks) map.refresh_view(l);
+  const Se3 off = seen.camera_from_world * map.keyframe(keyframe).camera_from_world.inverse();
+  keyframe_from_old_ = seen.camera_from_world * map.keyframe(old).camera_from_world.inverse();
+  seen_ = std::move(seen.landmark);
+  loop_ = {keyframe, old, matches, 0.0, map.keyframe(keyframe).map != map.keyframe(old).map};
+  if (loop_.joined_maps) {
+    stage_ = Stage::solving;
+    return true;
+  }
+  loop_.moved = off.translation.norm();
+  spdlog::info("keyframe {}: loop to keyframe {} found, {} matches, {:.3f} m and {:.2f} deg off",
+               keyframe, old, matches, loop_.moved, off.angle() * 180.0 / M_PI);
+  graph_.emplace(map, map.keyframe(keyframe).map, options_.edges);
+  stage_ = Stage::gathering;
+  return true;
+}
+
+void LoopCloser::submit(int frame_index) {
+  if (!graph_->has(loop_.keyframe) || !graph_->has(loop_.old_keyframe)) {
+    look_again();
+    return;
+  }
+  std::erase_if(loops_,
+                [&](const LoopEdge& l) { return !graph_->has(l.from) || !graph_->has(l.to); });
+  loops_.push_back({loop_.old_keyframe, loop_.keyframe, keyframe_from_old_});
+  due_frame_ =
+      frame_index + options_.delay + graph_->keyframes() / options_.keyframes_per_frame_of_delay;
+  worker_.submit({std::move(*graph_), loops_});
+  graph_.reset();
+  stage_ = Stage::solving;
+}
+
+bool LoopCloser::due(int frame_index) const {
+  if (stage_ != Stage::solving) return false;
+  if (loop_.joined_maps) return true;
+  return realtime_ ? worker_.finished() : frame_index >= due_frame_;
+}
+
+void LoopCloser::carry_out(Map& map) {
+  if (loop_.joined_maps) {
+    const Keyframe &keyframe = map.keyframe(loop_.keyframe),
+                   &old = map.keyframe(loop_.old_keyframe);
+    if (keyframe.removed || old.removed || keyframe.map == old.map) {
+      look_again();
+      return;
+    }
+    join_map_of(map, loop_.keyframe, loop_.old_keyframe, keyframe_from_old_);
+    spdlog::info("keyframe {}: two maps joined at keyframe {}, {} matches", loop_.keyframe,
+                 loop_.old_keyframe, loop_.matches);
+  } else {
+    Solution solution = worker_.take();
+    move_with_later_keyframes(map, std::move(solution.move), solution.first_later);
+    spdlog::info("keyframe {}: loop to keyframe {} closed", loop_.keyframe, loop_.old_keyframe);
+  }
+  fusion_.emplace(map, loop_.keyframe, std::move(seen_), options_.fused_neighbours);
+  closed_.push_back(loop_);
+  stage_ = Stage::fusing;
+}
+
+void LoopCloser::look_again() {
+  graph_.reset();
+  fusion_.reset();
+  detector_.reset();
+  stage_ = Stage::looking;
 }
 
 }  // namespace dkp_slam

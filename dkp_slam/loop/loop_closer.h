@@ -1,15 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
-#include "dkp_slam/localization/frame.h"
 #include "dkp_slam/localization/place_index.h"
+#include "dkp_slam/loop/essential_graph.h"
 #include "dkp_slam/loop/loop_detector.h"
+#include "dkp_slam/loop/place_joining.h"
 #include "dkp_slam/map/map.h"
+#include "dkp_slam/mapping/worker.h"
 #include "dkp_slam/optimization/observation.h"
-#include "dkp_slam/optimization/pose_graph.h"
 
 namespace dkp_slam {
 
@@ -17,13 +19,18 @@ class OptionList;
 
 struct LoopCloserOptions {
   LoopDetectorOptions detector;
+  EssentialGraphOptions edges;
   PoseGraphOptions graph;
-  int least_matches = 40;  ///< landmarks of the old place that the new keyframe must show
-  int least_shared = 100;  ///< landmarks that make two keyframes an edge of the essential graph
-  /// Of a loop's edge against all others. Those repeat one and the same drift many times, as
-  /// neighbours at every distance, and would outvote it.
-  double loop_weight = 30.0;
+  int least_matches = 40;    ///< landmarks of the old place that the new keyframe must show
   int fused_neighbours = 8;  ///< keyframes about the new one whose landmarks are fused as well
+  /// Frames from the snapshot of the poses until the map is put right: this many, and one more per
+  /// so many keyframes. A fixed number makes the result independent of how fast the machine is: who
+  /// arrives early waits.
+  int delay = 10;
+  int keyframes_per_frame_of_delay = 20;
+  /// What one frame does at most, so that none waits for long (2,000 keyframes: 2 ms at most).
+  int gathered_per_frame = 500;  ///< keyframe ids that come into the snapshot
+  int effort_per_frame = 1500;   ///< of fusing landmarks, see landmark_fusion.h
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound
@@ -39,40 +46,77 @@ struct ClosedLoop {
 
 /// Closes loops and joins maps (Mur-Artal et al. 2015, section VII, with a scale that is known):
 /// detection, alignment of the new keyframe to the landmarks of the old place, pose graph over the
-/// essential graph, correction of the landmarks, and fusion of those that are the same. Where the
-/// old place lies in another map, that map and this one become one instead, as they are.
+/// essential graph, correction of keyframes and landmarks, and fusion of landmarks that are the
+/// same. Where the old place lies in another map, that map and this one become one instead, as they
+/// are.
 ///
-/// Works on the map itself and so belongs to the tracking thread.
+/// All of it runs beside the tracker. The pose graph is solved by another thread, on a snapshot;
+/// the rest belongs to the tracking thread, which does a bounded part of it per frame. While one
+/// loop is under way no other is looked for: where the place stays in view it is found after that.
 class LoopCloser {
  public:
-  /// `seed`: of the alignment's RANSAC.
-  explicit LoopCloser(const LoopCloserOptions& options = {}, std::uint64_t seed = 1)
-      : options_(options), seed_(seed), detector_(options.detector) {}
+  /// `seed`: of the alignment's RANSAC. `realtime`: the map is put right as soon as the pose graph
+  /// is solved.
+  explicit LoopCloser(const LoopCloserOptions& options = {}, std::uint64_t seed = 1,
+                      bool realtime = false);
 
-  /// To be called with each new keyframe in turn, once it is in the map and the index. Closes a
-  /// loop if there is one.
-  std::optional<ClosedLoop> close(Map& map, const PlaceIndex& places, const MeasurementModel& model,
-                                  int keyframe);
+  /// To be called with each new keyframe in turn, once it is in the map and the index.
+  void add_keyframe(int keyframe);
+  /// To be called once per frame: the next part of what is under way. When that was the last of a
+  /// loop, the loop: its landmarks are fused, and the whole map may be adjusted.
+  std::optional<ClosedLoop> advance(Map& map, const PlaceIndex& places,
+                                    const MeasurementModel& model, int frame_index);
+  /// Whether the map is to be put right now, by `carry_out`.
+  bool due(int frame_index) const;
+  /// Puts the map right, waiting for the pose graph where it must. To be called when nothing else
+  /// is under way that was made for the map as it was.
+  void carry_out(Map& map);
 
+  /// Whether a loop was found, and the snapshot for it is being taken.
+  bool gathering() const { return stage_ == Stage::gathering; }
+  /// Whether a loop was found that `carry_out` has not been called for, and only waits for it.
+  bool waiting() const { return stage_ == Stage::solving; }
+  /// Whether `advance` or `carry_out` has anything left to do.
+  bool busy() const;
+
+  /// All so far that the map was put right for.
   const std::vector<ClosedLoop>& closed() const { return closed_; }
 
  private:
-  struct LoopEdge {
-    int from, to;
-    Se3 to_from_from;
-  };
+  enum class Stage { looking, gathering, solving, fusing };
 
-  void join(Map& map, ClosedLoop& loop, const Frame& seen) const;
-  void put_right(Map& map, ClosedLoop& loop, const Frame& seen);
-  /// `node_of_keyframe`: index into the graph's nodes by keyframe, -1 for those not in this map.
-  PoseGraph essential_graph(const Map& map, int which, std::vector<int>& node_of_keyframe) const;
-  void correct(Map& map, int which) const;
+  void look(const Map& map, const PlaceIndex& places, const MeasurementModel& model);
+  /// Aligns the keyframe to an older one; true where they show the same place.
+  bool align(const Map& map, const MeasurementModel& model, int old);
+  void submit(int frame_index);
+  /// Ends what is under way.
+  void look_again();
+
+  struct Problem {
+    EssentialGraph graph;
+    std::vector<LoopEdge> loops;
+  };
+  struct Solution {
+    MapMove move;
+    int first_later = 0;
+  };
 
   const LoopCloserOptions options_;
   const std::uint64_t seed_;
+  const bool realtime_;
   LoopDetector detector_;
-  std::vector<LoopEdge> loops_;
+  Stage stage_ = Stage::looking;
+  std::deque<int> waiting_;     // keyframes to look at, the first one under way
+  std::deque<int> candidates_;  // that it may close a loop with
+  ClosedLoop loop_;             // under way
+  Se3 keyframe_from_old_;
+  std::vector<int> seen_;  // landmarks of the old place, per feature of the keyframe
+  std::optional<EssentialGraph> graph_;
+  std::optional<PlaceFusion> fusion_;
+  int due_frame_ = 0;
+  std::vector<LoopEdge> loops_;  // closed before, both of whose keyframes were there the last time
   std::vector<ClosedLoop> closed_;
+  Worker<Problem, Solution> worker_;
 };
 
 }  // namespace dkp_slam

@@ -1,14 +1,17 @@
 #include "dkp_slam/loop/loop_closer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <random>
+#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "dkp_slam/evaluation/absolute_error.h"
+#include "dkp_slam/map/test_map.h"
 
 namespace dkp_slam {
 namespace {
@@ -33,7 +36,15 @@ class RoundTrip {
     map = Map(camera_, 1.2F, 8);
   }
 
-  /// Goes one step and makes it a keyframe; closes a loop if it may and there is one.
+  explicit RoundTrip(int frames_per_step, const LoopCloserOptions& options = {},
+                     bool realtime = false)
+      : RoundTrip() {
+    frames_per_step_ = frames_per_step;
+    closer.emplace(options, 1, realtime);
+  }
+
+  /// Goes one step and makes it a keyframe; closes a loop if it may and there is one. Returned is
+  /// one that came to its end in this step.
   std::optional<ClosedLoop> step(bool close) {
     const int index = map.keyframe_ids();
     const Se3 truth = true_pose(index);
@@ -69,13 +80,26 @@ class RoundTrip {
     landmark_of_ = in_view;
     map.update_covisibility(id);
     places.add_keyframe(map, id);
-    return close ? closer.close(map, places, {}, id) : std::nullopt;
+    std::optional<ClosedLoop> closed;
+    if (close) closer->add_keyframe(id);
+    for (int i = 0; i < frames_per_step_; ++i) {
+      if (const auto ended = frame()) closed = ended;
+    }
+    return closed;
+  }
+  /// A frame that is no keyframe.
+  std::optional<ClosedLoop> frame() {
+    ++frame_index_;
+    if (!closer->due(frame_index_)) return closer->advance(map, places, {}, frame_index_);
+    closer->carry_out(map);
+    return std::nullopt;
   }
 
-  /// RMSE of the keyframes' positions after alignment, metres.
+  /// RMSE of the keyframes' positions after alignment, metres; of those that are still there.
   double error() const {
     Trajectory truth, path;
     for (int k = 0; k < map.keyframe_ids(); ++k) {
+      if (map.keyframe(k).removed) continue;
       truth.push_back({double(k), true_pose(k).inverse()});
       path.push_back({double(k), map.keyframe(k).camera_from_world.inverse()});
     }
@@ -94,7 +118,7 @@ class RoundTrip {
 
   Map map{Camera(), 1.2F, 8};
   PlaceIndex places;
-  LoopCloser closer;
+  std::optional<LoopCloser> closer{std::in_place};
 
  private:
   static Se3 true_pose(int index) {
@@ -121,6 +145,8 @@ class RoundTrip {
   }
 
   Camera camera_;
+  int frames_per_step_ = 60;
+  int frame_index_ = 0;
   std::mt19937_64 random_{17};
   std::vector<Eigen::Vector3d> points_;
   std::vector<Descriptor> looks_;
@@ -140,7 +166,7 @@ TEST(LoopCloserTest, AClosedLoopTakesFourFifthsOfTheErrorAway) {
   EXPECT_GT(loop->moved, 0.2);
   EXPECT_GT(open.error(), 0.05);
   EXPECT_LT(closed.error(), open.error() / 5.0) << closed.error() << " " << open.error();
-  EXPECT_EQ(closed.closer.closed().size(), 1U);
+  EXPECT_EQ(closed.closer->closed().size(), 1U);
   // The two ends of the loop see the same landmarks now.
   EXPECT_TRUE(closed.map.keyframe(loop->keyframe).covisible.contains(loop->old_keyframe));
   EXPECT_LT(closed.map.live_landmarks(), open.map.live_landmarks());
@@ -158,7 +184,10 @@ TEST(LoopCloserTest, LooksAloneCloseNoLoop) {
   bool suspected = false;
   for (int i = 0; i < 55; ++i) {
     EXPECT_FALSE(trip.step(true));
-    suspected |= !detector.detect(trip.map, trip.places, i).empty();
+    detector.look_at(i);
+    std::optional<std::vector<int>> found;
+    while (!found) found = detector.advance(trip.map, trip.places);
+    suspected |= !found->empty();
   }
   EXPECT_TRUE(suspected);
 }
@@ -169,8 +198,117 @@ TEST(LoopCloserTest, RepeatsExactly) {
     first.step(true);
     second.step(true);
   }
-  EXPECT_EQ(first.closer.closed().size(), 1U);
+  EXPECT_EQ(first.closer->closed().size(), 1U);
   EXPECT_EQ(first.error(), second.error());
+}
+
+/// Goes on until a loop was found and its pose graph is being solved.
+void go_until_solving(RoundTrip& trip) {
+  for (int i = 0; i < RoundTrip::steps_around + 5 && !trip.closer->waiting(); ++i) trip.step(true);
+  ASSERT_TRUE(trip.closer->waiting());
+  ASSERT_TRUE(trip.closer->closed().empty());
+}
+
+/// Options with which a loop is found in the step of its keyframe, and closed some steps later.
+LoopCloserOptions slow() {
+  LoopCloserOptions options;
+  options.delay = 60;
+  return options;
+}
+constexpr int frames_per_step = 20;
+
+TEST(LoopCloserTest, KeyframesThatComeMeanwhileMoveAlong) {
+  RoundTrip open(frames_per_step), closed(frames_per_step, slow());
+  go_until_solving(closed);
+  const int last = closed.map.keyframe_ids() - 1;
+  while (closed.closer->closed().empty()) closed.step(true);
+  const int later = closed.map.keyframe_ids() - 1;
+  ASSERT_GT(later, last + 1);
+  while (open.map.keyframe_ids() <= later) open.step(false);
+  EXPECT_LT(closed.error(), open.error() / 4.0) << closed.error() << " " << open.error();
+  // Each lies to the one before as it did.
+  for (int k = last + 1; k <= later; ++k) {
+    const auto step = [k](const Map& map) {
+      return map.keyframe(k).camera_from_world * map.keyframe(k - 1).camera_from_world.inverse();
+    };
+    EXPECT_LT((step(closed.map).inverse() * step(open.map)).log().norm(), 1e-6);
+  }
+}
+
+TEST(LoopCloserTest, TheSpeedOfTheSolverMakesNoDifference) {
+  RoundTrip fast(frames_per_step, slow()), late(frames_per_step, slow());
+  for (RoundTrip* trip : {&fast, &late}) {
+    go_until_solving(*trip);
+    // Here the solver is done long before; there it is waited for at the frame.
+    if (trip == &fast) std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    for (int i = 0; i < 6; ++i) trip->step(true);
+    ASSERT_FALSE(trip->closer->closed().empty());
+  }
+  EXPECT_EQ(testing::difference(fast.map, late.map), "");
+}
+
+TEST(LoopCloserTest, ALoopThatOpensMeanwhileIsClosedNext) {
+  // Beyond the first loop the camera knows nothing again, and comes to the next known place.
+  RoundTrip open(frames_per_step), closed(frames_per_step, slow());
+  for (int i = 0; i < RoundTrip::steps_around + 25; ++i) {
+    open.step(false);
+    closed.step(true);
+  }
+  const std::vector<ClosedLoop>& loops = closed.closer->closed();
+  ASSERT_GE(loops.size(), 2U);
+  EXPECT_GE(loops[1].keyframe, loops[0].keyframe + 3);
+  EXPECT_LT(closed.error(), open.error() / 4.0) << closed.error() << " " << open.error();
+}
+
+TEST(LoopCloserTest, WhatHasGoneMeanwhileIsPassedOver) {
+  RoundTrip trip(frames_per_step, slow());
+  go_until_solving(trip);
+  const int newest = trip.map.keyframe_ids() - 1;
+  // The loop's own keyframe, one in the middle, and landmarks of both ends.
+  for (const int k : {newest, 30}) {
+    trip.map.keyframe(k).parent = k - 1;
+    trip.map.remove_keyframe(k);
+  }
+  for (const int k : {2, newest - 1}) {
+    const std::vector<int> seen = trip.map.landmarks_of({k});
+    trip.map.remove_landmark(seen[0]);
+    trip.map.fuse_landmarks(seen[1], seen[2]);
+  }
+  while (trip.closer->busy()) trip.frame();
+  ASSERT_EQ(trip.closer->closed().size(), 1U);
+  EXPECT_LT(trip.error(), 0.05);
+  EXPECT_FALSE(Map(parts_of(trip.map)).landmarks().empty());
+}
+
+TEST(LoopCloserTest, ALoopWhoseKeyframeGoesBeforeTheSnapshotIsNotClosed) {
+  LoopCloserOptions options;
+  options.gathered_per_frame = 1;
+  RoundTrip trip(frames_per_step, options);
+  while (!trip.closer->gathering() && trip.map.keyframe_ids() < RoundTrip::steps_around + 5)
+    trip.step(true);
+  ASSERT_TRUE(trip.closer->gathering());
+  const int newest = trip.map.keyframe_ids() - 1;
+  trip.map.keyframe(newest).parent = newest - 1;
+  trip.map.remove_keyframe(newest);
+  while (trip.closer->busy()) trip.frame();
+  EXPECT_TRUE(trip.closer->closed().empty());
+}
+
+TEST(LoopCloserTest, InRealTimeItIsClosedAsSoonAsItIsSolved) {
+  LoopCloserOptions options;
+  options.delay = 1000000;
+  RoundTrip trip(frames_per_step, options, true);
+  for (int i = 0; i < 200 && trip.closer->closed().empty(); ++i) {
+    if (trip.map.keyframe_ids() < RoundTrip::steps_around) trip.step(true);
+    std::this_thread::sleep_for(std::chrono::milliseconds(trip.closer->waiting() ? 20 : 0));
+    trip.frame();
+  }
+  EXPECT_EQ(trip.closer->closed().size(), 1U);
+}
+
+TEST(LoopCloserTest, ItMayEndWhileAPoseGraphIsSolved) {
+  RoundTrip trip(frames_per_step, slow());
+  go_until_solving(trip);
 }
 
 }  // namespace

@@ -29,15 +29,54 @@ bool overlap(const std::vector<int>& a, const std::vector<int>& b) {
 
 }  // namespace
 
-std::vector<int> LoopDetector::detect(const Map& map, const PlaceIndex& places, int keyframe) {
-  std::vector<PlaceCandidate> votes = places.votes(map, map.keyframe(keyframe).features.descriptor);
-  const std::vector<char> known = tied(map, keyframe);
-  std::erase_if(votes, [&](const PlaceCandidate& c) {
-    return known[static_cast<std::size_t>(c.keyframe)] || c.votes < options_.least_votes;
+void LoopDetector::look_at(int keyframe) {
+  keyframe_ = keyframe;
+  next_feature_ = 0;
+  votes_.clear();
+}
+
+std::optional<std::vector<int>> LoopDetector::advance(const Map& map, const PlaceIndex& places) {
+  const std::span<const Descriptor> all(map.keyframe(keyframe_).features.descriptor);
+  if (next_feature_ < all.size()) {
+    const std::size_t count = std::min(options_.features_per_frame, all.size() - next_feature_);
+    count_votes(map, places, all.subspan(next_feature_, count));
+    next_feature_ += count;
+    if (next_feature_ < all.size()) return std::nullopt;
+  }
+  // A keyframe that has been removed meanwhile shows nothing any more.
+  std::vector<int> closing;
+  if (!map.keyframe(keyframe_).removed) closing = closing_keyframes(map, places);
+  keyframe_ = -1;
+  return closing;
+}
+
+void LoopDetector::count_votes(const Map& map, const PlaceIndex& places,
+                               std::span<const Descriptor> features) {
+  std::vector<PlaceCandidate> sum;
+  auto before = votes_.cbegin();
+  for (PlaceCandidate c : places.votes(map, features)) {
+    while (before != votes_.cend() && before->keyframe < c.keyframe) sum.push_back(*before++);
+    if (before != votes_.cend() && before->keyframe == c.keyframe) {
+      c.votes += before->votes;
+      c.score += before->score;
+      ++before;
+    }
+    sum.push_back(c);
+  }
+  sum.insert(sum.end(), before, votes_.cend());
+  votes_ = std::move(sum);
+}
+
+std::vector<int> LoopDetector::closing_keyframes(const Map& map, const PlaceIndex& places) {
+  const std::vector<char> known = tied(map, keyframe_);
+  std::erase_if(votes_, [&](const PlaceCandidate& c) {
+    const bool later = c.keyframe > keyframe_;  // came while this one waited for its turn
+    return later || known[static_cast<std::size_t>(c.keyframe)] || c.votes < options_.least_votes ||
+           map.keyframe(c.keyframe).removed;
   });
   std::vector<Group> groups;
   std::vector<int> closing;
-  for (const PlaceCandidate& c : places.best_groups(map, votes, options_.candidates)) {
+  for (const PlaceCandidate& c : places.best_groups(map, votes_, options_.candidates)) {
     Group group{around(map, c.keyframe), 1};
     for (const Group& before : groups_) {
       if (overlap(group.keyframes, before.keyframes))

@@ -73,9 +73,11 @@ std::optional<JoinedMaps> join_one(Map& map, const PlaceIndex& places,
   const std::vector<Meeting> agreeing = largest_agreement(map, options, all);
   if (agreeing.empty()) return std::nullopt;
   const int other = map.keyframe(agreeing.front().old).map;
-  join_map_of(map, agreeing.front().keyframe, agreeing.front().old, agreeing.front().seen);
+  const Meeting& best = agreeing.front();
+  join_map_of(map, best.keyframe, best.old,
+              best.seen.camera_from_world * map.keyframe(best.old).camera_from_world.inverse());
   for (const Meeting& m : agreeing) {
-    fuse_seen_again(map, model, m.keyframe, m.seen, options.fused_neighbours);
+    fuse_seen_again(map, model, m.keyframe, m.seen.landmark, options.fused_neighbours);
   }
   return JoinedMaps{std::min(which, other), std::max(which, other),
                     static_cast<int>(agreeing.size())};

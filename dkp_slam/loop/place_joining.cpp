@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
-
-#include "dkp_slam/mapping/landmark_fusion.h"
+#include <limits>
 
 namespace dkp_slam {
 
@@ -17,11 +16,11 @@ Frame frame_of(const Keyframe& k) {
   return frame;
 }
 
-void join_map_of(Map& map, int keyframe, int old, const Frame& seen) {
+void join_map_of(Map& map, int keyframe, int old, const Se3& keyframe_from_old) {
   const int here = map.keyframe(keyframe).map, there = map.keyframe(old).map;
   assert(here != there);
-  const Se3 there_from_here =
-      seen.camera_from_world.inverse() * map.keyframe(keyframe).camera_from_world;
+  const Se3 there_from_here = (keyframe_from_old * map.keyframe(old).camera_from_world).inverse() *
+                              map.keyframe(keyframe).camera_from_world;
   const bool here_moves = here > there;
   const int moving = here_moves ? here : there;
   // Each map is a tree of keyframes: the root of one hangs on the other from now on.
@@ -35,29 +34,53 @@ void join_map_of(Map& map, int keyframe, int old, const Frame& seen) {
   }
 }
 
-void fuse_seen_again(Map& map, const MeasurementModel& model, int keyframe, const Frame& seen,
-                     int neighbours) {
-  const std::vector<int> around = map.best_covisible(keyframe, neighbours);
-  for (std::size_t f = 0; f < seen.landmark.size(); ++f) {
-    const int old = map.resolve(seen.landmark[f]);
+PlaceFusion::PlaceFusion(const Map& map, int keyframe, std::vector<int> seen, int neighbours)
+    : keyframe_(keyframe),
+      seen_(std::move(seen)),
+      around_(map.best_covisible(keyframe, neighbours)) {
+  around_.insert(around_.begin(), keyframe);
+}
+
+bool PlaceFusion::advance(Map& map, const MeasurementModel& model, int effort) {
+  if (!fuse_seen(map, effort)) return false;
+  for (; next_ < around_.size(); ++next_, fusion_.reset()) {
+    const int k = around_[next_];
+    if (map.keyframe(k).removed) continue;
+    if (!fusion_) {
+      if (effort <= 0) return false;
+      effort -= 2 * effort::keyframe;
+      map.update_covisibility(k);
+      fusion_.emplace(map, k);
+    }
+    if (!fusion_->advance(map, model, effort)) return false;
+    map.update_covisibility(k);
+  }
+  return true;
+}
+
+bool PlaceFusion::fuse_seen(Map& map, int& effort) {
+  for (; next_seen_ < seen_.size(); ++next_seen_) {
+    if (effort <= 0) return false;
+    if (map.keyframe(keyframe_).removed) break;
+    const int old = map.resolve(seen_[next_seen_]);
     if (old < 0) continue;
-    const int present = map.keyframe(keyframe).landmarks[f];
+    const int present = map.keyframe(keyframe_).landmarks[next_seen_];
     if (present == old) continue;
     if (present >= 0) {
       map.fuse_landmarks(present, old);
-    } else if (map.landmark(old).feature_in(keyframe) < 0) {
-      map.add_sighting(old, keyframe, static_cast<int>(f));
+    } else if (map.landmark(old).feature_in(keyframe_) < 0) {
+      map.add_sighting(old, keyframe_, static_cast<int>(next_seen_));
       map.refresh(old);
     }
+    effort -= effort::fusion;
   }
-  map.update_covisibility(keyframe);
-  fuse_with_neighbours(map, model, keyframe);
-  map.update_covisibility(keyframe);
-  for (const int n : around) {
-    map.update_covisibility(n);
-    fuse_with_neighbours(map, model, n);
-    map.update_covisibility(n);
-  }
+  return true;
+}
+
+void fuse_seen_again(Map& map, const MeasurementModel& model, int keyframe, std::vector<int> seen,
+                     int neighbours) {
+  PlaceFusion(map, keyframe, std::move(seen), neighbours)
+      .advance(map, model, std::numeric_limits<int>::max());
 }
 
 }  // namespace dkp_slam

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -71,6 +72,18 @@ class IdTable {
       }
     }
     return all;
+  }
+
+  /// The first id that has a value, counted from this one on; -1 for none.
+  int next(int id) const {
+    for (auto which = static_cast<std::size_t>(id) / page_size; which < directory_.size();
+         ++which, id = static_cast<int>(which) * page_size) {
+      if (directory_[which] == none) continue;
+      const std::uint32_t left =
+          pages_[static_cast<std::size_t>(directory_[which])].used >> (id % page_size);
+      if (left != 0) return id + std::countr_zero(left);
+    }
+    return -1;
   }
 
   /// Bytes on the heap, without what the values hold there themselves.

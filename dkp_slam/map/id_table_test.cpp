@@ -31,6 +31,10 @@ TEST(IdTable, HoldsWhatAMapHolds) {
   }
   EXPECT_EQ(table.ids(), ids);
   for (int id = -1; id < 4000; ++id) EXPECT_EQ(table.find(id) != nullptr, truth.count(id) > 0);
+  for (int id = 0; id < 4000; ++id) {
+    const auto after = truth.lower_bound(id);
+    EXPECT_EQ(table.next(id), after == truth.end() ? -1 : after->first);
+  }
 }
 
 TEST(IdTable, AnErasedValueIsDestroyedAndReplacedOnesAreToo) {

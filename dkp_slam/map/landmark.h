@@ -30,6 +30,7 @@ struct Landmark {
   int found = 1;                    ///< frames that matched it
   /// Running log-odds of being dynamic; see LandmarkBelief.
   float dynamic_log_odds = 0.0F;
+  int followed_moves = 0;  ///< of the map's moves, that this landmark has followed; see Map::move
 
   /// Feature index by which a keyframe sees it, -1 if it does not.
   int feature_in(int keyframe) const {

@@ -15,6 +15,13 @@ std::map<int, int>::const_iterator most_shared(const std::map<int, int>& shared)
                           [](const auto& a, const auto& b) { return a.second < b.second; });
 }
 
+template <class Item>
+const Item* find_id(const std::vector<Item>& ascending, int id) {
+  const auto it = std::lower_bound(ascending.begin(), ascending.end(), id,
+                                   [](const Item& item, int wanted) { return item.id < wanted; });
+  return it != ascending.end() && it->id == id ? &*it : nullptr;
+}
+
 }  // namespace
 
 Map::Map(const Camera& camera, float level_scale, int levels)
@@ -72,20 +79,63 @@ std::vector<int> Map::keyframes_in(int map) const {
 }
 
 void Map::move_map(int from, int into, const Se3& into_from_from) {
-  const Se3 from_from_into = into_from_from.inverse();
-  const std::vector<int> moved = keyframes_in(from);
-  for (const int l : landmarks_of(moved)) {
-    landmark(l).position = into_from_from * landmark(l).position;
-    landmark(l).normal = into_from_from.rotation * landmark(l).normal;
-  }
+  MapMove all;
   for (Keyframe& k : keyframes_) {
     if (k.map != from) continue;
     k.map = into;
-    if (!k.removed) k.camera_from_world = k.camera_from_world * from_from_into;
+    if (!k.removed) all.keyframes.push_back({k.id, into_from_from, {}});
   }
+  move(std::move(all));
   live_in_map_[static_cast<std::size_t>(into)] += live_keyframes_in(from);
   live_in_map_[static_cast<std::size_t>(from)] = 0;
   if (current_map_ == from) current_map_ = into;
+}
+
+void Map::move(MapMove move) {
+  for (MapMove::Keyframe& m : move.keyframes) {
+    Keyframe& k = keyframe(m.id);
+    if (k.removed) continue;
+    k.camera_from_world = k.camera_from_world * m.world_after_from_before.inverse();
+    m.camera_from_world = k.camera_from_world;
+  }
+  unfollowed_moves_.push_back(std::move(move));
+  ++moves_;
+  next_to_follow_ = 0;
+}
+
+bool Map::follow_moves(std::size_t landmarks) {
+  if (unfollowed_moves_.empty()) return true;
+  for (; landmarks > 0; --landmarks) {
+    const int id = landmarks_.next(next_to_follow_);
+    if (id < 0) {
+      unfollowed_moves_.clear();
+      return true;
+    }
+    up_to_date(*landmarks_[id]);
+    next_to_follow_ = id + 1;
+  }
+  return false;
+}
+
+void Map::follow_moves(Landmark& l) const {
+  const int first = moves_ - static_cast<int>(unfollowed_moves_.size());
+  for (int m = l.followed_moves; m < moves_; ++m) {
+    follow(unfollowed_moves_[static_cast<std::size_t>(m - first)], l);
+  }
+  l.followed_moves = moves_;
+}
+
+void Map::follow(const MapMove& move, Landmark& l) const {
+  // From what the move holds alone: keyframes may have been moved on since.
+  const Sighting& first = l.sightings.front();
+  const MapMove::Keyframe* k = find_id(move.keyframes, first.keyframe);
+  if (k) l.normal = k->world_after_from_before.rotation * l.normal;
+  if (const MapMove::Landmark* own = find_id(move.landmarks, l.id)) {
+    l.position = own->position;
+    if (k) set_range(l, k->camera_from_world);
+  } else if (k) {
+    l.position = k->world_after_from_before * l.position;  // at its distance from the keyframe
+  }
 }
 
 int Map::add_keyframe(Keyframe keyframe) {
@@ -110,6 +160,7 @@ int Map::add_landmark(const Eigen::Vector3d& position, int keyframe_id, int feat
   added.id = id;
   added.position = position;
   added.first_keyframe = keyframe_id;
+  added.followed_moves = moves_;
   landmarks_.set(id, LandmarkSlot(std::move(added)));
   add_sighting(id, keyframe_id, feature);
   refresh(id);
@@ -271,11 +322,15 @@ void Map::refresh_view(int landmark_id) {
     l.normal += (l.position - camera_from_world.inverse().translation).normalized();
   }
   l.normal.normalize();
-  // The first sighting's level and distance fix the range of scales.
-  const Keyframe& k = keyframe(l.sightings.front().keyframe);
-  const auto feature = static_cast<std::size_t>(l.sightings.front().feature);
-  const auto distance = static_cast<float>((k.camera_from_world * l.position).norm());
-  l.max_distance = distance * scale_of(k.features.level[feature]);
+  set_range(l, keyframe(l.sightings.front().keyframe).camera_from_world);
+}
+
+void Map::set_range(Landmark& l, const Se3& first_camera_from_world) const {
+  const Sighting& first = l.sightings.front();
+  const auto level =
+      keyframe(first.keyframe).features.level[static_cast<std::size_t>(first.feature)];
+  const auto distance = static_cast<float>((first_camera_from_world * l.position).norm());
+  l.max_distance = distance * scale_of(level);
   l.min_distance = l.max_distance / scales_.back();
 }
 

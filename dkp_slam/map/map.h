@@ -9,6 +9,7 @@
 #include "dkp_slam/map/id_table.h"
 #include "dkp_slam/map/keyframe.h"
 #include "dkp_slam/map/landmark.h"
+#include "dkp_slam/map/map_move.h"
 #include "dkp_slam/map/map_parts.h"
 
 namespace dkp_slam {
@@ -23,7 +24,8 @@ namespace dkp_slam {
 ///
 /// Locking rule: a map belongs to the tracking thread, and no other thread ever holds a reference
 /// into it. Bundle adjustment works on a snapshot (BundleProblem) and its result is carried back by
-/// the tracking thread; so there is nothing to lock, and the order of changes never varies.
+/// the tracking thread; so there is nothing to lock, and the order of changes never varies. Reading
+/// a landmark may bring it up to date (see `move`), so that a copy belongs to one thread as well.
 class Map {
  public:
   Map(const Camera& camera, float level_scale, int levels);
@@ -35,8 +37,8 @@ class Map {
   Keyframe& keyframe(int id) { return keyframes_[static_cast<std::size_t>(id)]; }
   const Keyframe& keyframe(int id) const { return keyframes_[static_cast<std::size_t>(id)]; }
   /// Only while `has_landmark`: of a removed one nothing is kept.
-  Landmark& landmark(int id) { return *landmarks_[id]; }
-  const Landmark& landmark(int id) const { return *landmarks_[id]; }
+  Landmark& landmark(int id) { return up_to_date(*landmarks_[id]); }
+  const Landmark& landmark(int id) const { return up_to_date(*landmarks_[id]); }
   bool has_landmark(int id) const { return landmarks_.find(id) != nullptr; }
   /// Ids of all landmarks that have not been removed, ascending.
   std::vector<int> landmarks() const { return landmarks_.ids(); }
@@ -59,6 +61,14 @@ class Map {
   std::vector<int> keyframes_in(int map) const;
   /// Joins map `from` to map `into`: moves its keyframes and landmarks there.
   void move_map(int from, int into, const Se3& into_from_from);
+
+  /// Moves keyframes, and with them their landmarks. Takes time for the keyframes alone: a landmark
+  /// follows when it is next asked for, or when its turn comes in `follow_moves`. Where it comes to
+  /// lie does not depend on when that is.
+  void move(MapMove move);
+  /// Lets the next so many landmarks follow the moves so far; to be called again and again. True
+  /// when none is left behind.
+  bool follow_moves(std::size_t landmarks);
 
   /// Takes the keyframe's features and landmark ids, and enters the sightings.
   int add_keyframe(Keyframe keyframe);
@@ -120,6 +130,15 @@ class Map {
     LandmarkSlot& operator=(const LandmarkSlot& other) { return *this = LandmarkSlot(other); }
   };
 
+  Landmark& up_to_date(Landmark& landmark) const {
+    if (landmark.followed_moves != moves_) follow_moves(landmark);
+    return landmark;
+  }
+  void follow_moves(Landmark& landmark) const;
+  void follow(const MapMove& move, Landmark& landmark) const;
+  /// The first sighting's level and distance fix the range of scales.
+  void set_range(Landmark& landmark, const Se3& first_camera_from_world) const;
+
   /// Landmarks that make two keyframes neighbours, as in ORB-SLAM.
   static constexpr int least_shared = 15;
   /// Other keyframe -> number of landmarks both see, at this moment.
@@ -134,6 +153,9 @@ class Map {
   IdTable<int> replaced_by_;  // the landmark that one was fused into
   std::deque<int> fused_;     // whose fusion is known, in the order in which they were fused
   std::int64_t forgotten_fusions_ = 0;
+  int moves_ = 0;                         // made so far
+  std::deque<MapMove> unfollowed_moves_;  // the last ones, which some landmark may have to follow
+  int next_to_follow_ = 0;                // landmark whose turn it is
   int landmark_ids_ = 0;
   int live_keyframes_ = 0;
   std::vector<int> live_in_map_ = {0};

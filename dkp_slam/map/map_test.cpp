@@ -1,5 +1,8 @@
 #include "dkp_slam/map/map.h"
 
+#include <array>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace dkp_slam {
@@ -149,6 +152,64 @@ TEST_F(MapOfThree, PredictedLevelFollowsTheDistance) {
   EXPECT_EQ(map.predicted_level(l, 2.0), 0);
   EXPECT_EQ(map.predicted_level(l, 2.0 / (1.2 * 1.2) + 1e-4), 2);
   EXPECT_EQ(map.predicted_level(l, 0.01), 7);
+}
+
+/// World after a move from the world before it.
+const Se3 moved(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())),
+                {1.0, -2.0, 0.5});
+
+TEST_F(MapOfThree, LandmarksMoveWithTheFirstKeyframeThatSeesThem) {
+  const Map before = map;
+  map.move({{{0, moved, {}}}, {}});
+  for (int k = 0; k < 3; ++k) {
+    const Se3 expected = k == 0 ? before.keyframe(k).camera_from_world * moved.inverse()
+                                : before.keyframe(k).camera_from_world;
+    EXPECT_EQ(map.keyframe(k).camera_from_world.translation, expected.translation);
+  }
+  for (int l = 0; l < 50; ++l) {
+    const Landmark &was = before.landmark(l), &is = map.landmark(l);
+    const bool moves = l < 40;  // the others the third keyframe alone sees
+    EXPECT_LT((is.position - (moves ? moved * was.position : was.position)).norm(), 1e-12);
+    EXPECT_LT((is.normal - (moves ? moved.rotation * was.normal : was.normal)).norm(), 1e-12);
+    EXPECT_EQ(is.max_distance, was.max_distance);
+  }
+}
+
+TEST_F(MapOfThree, ALandmarkWithAPlaceOfItsOwnGoesThereAndItsRangeFollows) {
+  const Eigen::Vector3d place(0.1, 0.2, 4.0);
+  const float before = map.landmark(3).max_distance;
+  map.move({{{0, Se3(), {}}}, {{3, place}}});
+  EXPECT_EQ(map.landmark(3).position, place);
+  EXPECT_NEAR(map.landmark(3).max_distance / before, place.norm() / std::hypot(0.03, 2.0), 1e-5);
+  EXPECT_EQ(map.landmark(4).position.z(), 2.0);
+}
+
+TEST_F(MapOfThree, WhenALandmarkFollowsMakesNoDifference) {
+  Map asked_early = map, asked_late = map, in_turn = map;
+  for (Map* each : {&asked_early, &asked_late, &in_turn}) {
+    const auto look = [&] {
+      for (int l = 0; l < 50 && each == &asked_early; ++l) each->landmark(l);
+      if (each == &in_turn) each->follow_moves(7);
+    };
+    each->move({{{0, moved, {}}, {2, moved, {}}}, {}});
+    look();
+    // Adjusted on, and moved again, before most of them have been asked for.
+    each->keyframe(0).camera_from_world.translation.y() += 0.01;
+    each->move({{{0, moved.inverse(), {}}, {2, moved, {}}}, {{7, {0.0, 0.1, 3.0}}}});
+    look();
+    each->keyframe(2).parent = 0;
+    each->remove_keyframe(2);
+    each->add_landmark({5.0, 0.0, 5.0}, 0, 45);
+  }
+  while (!in_turn.follow_moves(7)) continue;
+  const Map copy = asked_late;
+  ASSERT_EQ(asked_early.landmarks(), asked_late.landmarks());
+  for (const int l : asked_early.landmarks()) {
+    for (const Map* other : std::array<const Map*, 3>{&asked_late, &in_turn, &copy}) {
+      EXPECT_EQ(asked_early.landmark(l).position, other->landmark(l).position) << l;
+      EXPECT_EQ(asked_early.landmark(l).max_distance, other->landmark(l).max_distance) << l;
+    }
+  }
 }
 
 }  // namespace

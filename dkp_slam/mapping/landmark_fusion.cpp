@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "dkp_slam/localization/pose_refinement.h"
 
@@ -40,33 +41,60 @@ int find_in(const Map& map, const MeasurementModel& model, const Landmark& landm
   return nearest.best_distance <= bits_apart ? nearest.best : -1;
 }
 
-void fuse_into(Map& map, const MeasurementModel& model, const std::vector<int>& landmarks,
-               int keyframe) {
-  std::vector<int> candidates;
-  for (const int id : landmarks) {
-    if (!map.has_landmark(id)) continue;
-    const Landmark& landmark = map.landmark(id);
-    if (landmark.feature_in(keyframe) >= 0) continue;
-    const int feature = find_in(map, model, landmark, map.keyframe(keyframe), candidates);
-    if (feature < 0) continue;
-    const int present = map.keyframe(keyframe).landmarks[static_cast<std::size_t>(feature)];
-    if (present < 0) {
-      map.add_sighting(id, keyframe, feature);
-      map.refresh(id);
-    } else if (map.landmark(present).sightings.size() > landmark.sightings.size()) {
-      map.fuse_landmarks(id, present);
-    } else {
-      map.fuse_landmarks(present, id);
-    }
+/// Looks for a landmark in a keyframe; true where that changed the map.
+bool fuse_into(Map& map, const MeasurementModel& model, int id, int keyframe,
+               std::vector<int>& candidates) {
+  if (!map.has_landmark(id)) return false;
+  const Landmark& landmark = map.landmark(id);
+  if (landmark.feature_in(keyframe) >= 0) return false;
+  const int feature = find_in(map, model, landmark, map.keyframe(keyframe), candidates);
+  if (feature < 0) return false;
+  const int present = map.keyframe(keyframe).landmarks[static_cast<std::size_t>(feature)];
+  if (present < 0) {
+    map.add_sighting(id, keyframe, feature);
+    map.refresh(id);
+  } else if (map.landmark(present).sightings.size() > landmark.sightings.size()) {
+    map.fuse_landmarks(id, present);
+  } else {
+    map.fuse_landmarks(present, id);
   }
+  return true;
 }
 
 }  // namespace
 
+NeighbourFusion::NeighbourFusion(const Map& map, int keyframe)
+    : keyframe_(keyframe), others_(map.best_covisible(keyframe, neighbours)) {}
+
+bool NeighbourFusion::advance(Map& map, const MeasurementModel& model, int& effort) {
+  for (; step_ <= others_.size(); ++step_, listed_ = false) {
+    const bool last = step_ == others_.size();
+    if (!listed_) {
+      if (effort <= 0) return false;
+      effort -= effort::keyframe;
+      landmarks_ = map.landmarks_of(last ? others_ : std::vector<int>{keyframe_});
+      next_ = 0;
+      listed_ = true;
+    }
+    if (!fuse(map, model, last ? keyframe_ : others_[step_], effort)) return false;
+  }
+  return true;
+}
+
+bool NeighbourFusion::fuse(Map& map, const MeasurementModel& model, int into, int& effort) {
+  std::vector<int> candidates;
+  for (; next_ < landmarks_.size(); ++next_) {
+    if (effort <= 0) return false;
+    if (map.keyframe(into).removed) break;
+    const bool fused = fuse_into(map, model, landmarks_[next_], into, candidates);
+    effort -= fused ? effort::fusion : effort::search;
+  }
+  return true;
+}
+
 void fuse_with_neighbours(Map& map, const MeasurementModel& model, int keyframe) {
-  const std::vector<int> others = map.best_covisible(keyframe, neighbours);
-  for (const int other : others) fuse_into(map, model, map.landmarks_of({keyframe}), other);
-  fuse_into(map, model, map.landmarks_of(others), keyframe);
+  int unlimited = std::numeric_limits<int>::max();
+  NeighbourFusion(map, keyframe).advance(map, model, unlimited);
 }
 
 }  // namespace dkp_slam

@@ -50,52 +50,6 @@ BundleProblem snapshot(const Map& map, const MeasurementModel& model,
   return problem;
 }
 
-/// A keyframe that came after a snapshot, relative to its nearest ancestor in it.
-struct LaterKeyframe {
-  int keyframe, ancestor;
-  Se3 from_ancestor;
-};
-
-/// A landmark that came after a snapshot, in the camera frame of the first keyframe that sees it.
-struct LaterLandmark {
-  int landmark, keyframe;
-  Eigen::Vector3d position;
-};
-
-std::vector<LaterKeyframe> later_keyframes(const Map& map, const BundleProblem& problem,
-                                           const std::vector<int>& keyframes) {
-  IdSet known;
-  for (const auto& p : problem.poses) {
-    if (!map.keyframe(p.keyframe).removed) known.insert(p.keyframe);
-  }
-  std::vector<LaterKeyframe> later;
-  for (const int k : keyframes) {
-    if (known.contains(k)) continue;
-    int ancestor = map.keyframe(k).parent;
-    while (ancestor >= 0 && !known.contains(ancestor)) {
-      ancestor = map.keyframe(ancestor).parent;
-    }
-    if (ancestor < 0) continue;
-    later.push_back(
-        {k, ancestor,
-         map.keyframe(k).camera_from_world * map.keyframe(ancestor).camera_from_world.inverse()});
-  }
-  return later;
-}
-
-std::vector<LaterLandmark> later_landmarks(const Map& map, const BundleProblem& problem,
-                                           const std::vector<int>& keyframes) {
-  IdSet known;
-  for (const auto& p : problem.points) known.insert(p.landmark);
-  std::vector<LaterLandmark> later;
-  for (const int l : map.landmarks_of(keyframes)) {
-    if (known.contains(l)) continue;
-    const int first = map.landmark(l).sightings.front().keyframe;
-    later.push_back({l, first, map.keyframe(first).camera_from_world * map.landmark(l).position});
-  }
-  return later;
-}
-
 }  // namespace
 
 BundleProblem local_bundle(const Map& map, const MeasurementModel& model, int keyframe,
@@ -111,12 +65,6 @@ BundleProblem local_bundle(const Map& map, const MeasurementModel& model, int ke
     window.erase(oldest);
   }
   return snapshot(map, model, window, fixed, landmarks);
-}
-
-BundleProblem full_bundle(const Map& map, const MeasurementModel& model, int which) {
-  const std::vector<int> all = map.keyframes_in(which);
-  if (all.empty()) return {};
-  return snapshot(map, model, {all.begin() + 1, all.end()}, {all.front()}, map.landmarks_of(all));
 }
 
 void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution) {
@@ -142,33 +90,6 @@ void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& 
   for (const auto& p : solution.points) {
     if (map.has_landmark(p.landmark)) map.refresh_view(p.landmark);
   }
-}
-
-void adjust_map(Map& map, const MeasurementModel& model, int which, int iterations,
-                const std::atomic<bool>* stop) {
-  if (map.live_keyframes_in(which) < 2) return;
-  BundleOptions options;
-  options.iterations = iterations;
-  const BundleProblem problem = full_bundle(map, model, which);
-  apply_bundle(map, problem, adjust_bundle(map.camera(), model, problem, options, stop));
-}
-
-void apply_full_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution) {
-  if (!solution.usable || problem.poses.empty()) return;
-  const std::vector<int> all = map.keyframes_in(map.keyframe(problem.poses.front().keyframe).map);
-  const std::vector<LaterKeyframe> keyframes = later_keyframes(map, problem, all);
-  const std::vector<LaterLandmark> landmarks = later_landmarks(map, problem, all);
-  apply_bundle(map, problem, solution);
-  for (const LaterKeyframe& k : keyframes) {
-    map.keyframe(k.keyframe).camera_from_world =
-        k.from_ancestor * map.keyframe(k.ancestor).camera_from_world;
-  }
-  for (const LaterLandmark& l : landmarks) {
-    if (!map.has_landmark(l.landmark)) continue;
-    map.landmark(l.landmark).position =
-        map.keyframe(l.keyframe).camera_from_world.inverse() * l.position;
-  }
-  for (const int l : map.landmarks_of(all)) map.refresh_view(l);
 }
 
 }  // namespace dkp_slam

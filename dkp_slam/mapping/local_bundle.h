@@ -20,21 +20,8 @@ struct LocalBundleOptions {
 BundleProblem local_bundle(const Map& map, const MeasurementModel& model, int keyframe,
                            const LocalBundleOptions& options);
 
-/// Snapshot of all of one map; its first keyframe stays.
-BundleProblem full_bundle(const Map& map, const MeasurementModel& model, int which);
-
 /// Carries a solution back: poses, positions, and outlier sightings removed. Keyframes and
 /// landmarks that have gone since are passed over.
 void apply_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution);
-
-/// Adjusts all of one map, here and now. Where `stop` is set before it is done, the map stays as it
-/// was.
-void adjust_map(Map& map, const MeasurementModel& model, int which, int iterations,
-                const std::atomic<bool>* stop = nullptr);
-
-/// `apply_bundle` for a whole map that has grown since the snapshot: keyframes that came later keep
-/// their place relative to their nearest ancestor in it, landmarks relative to the first keyframe
-/// that sees them (Mur-Artal and Tardos 2017, "ORB-SLAM2", section III-C).
-void apply_full_bundle(Map& map, const BundleProblem& problem, const BundleSolution& solution);
 
 }  // namespace dkp_slam

@@ -17,10 +17,14 @@ Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
       options_(options),
       realtime_(realtime),
       full_adjustment_(map.camera(), model, options.full, realtime),
-      worker_(map.camera(), model) {}
+      worker_([camera = map.camera(), model, bundle = options.bundle](
+                  BundleProblem problem, const std::atomic<bool>& stop) {
+        BundleSolution solution = adjust_bundle(camera, model, problem, bundle, &stop);
+        return Adjusted{std::move(problem), std::move(solution)};
+      }) {}
 
 int Mapper::insert_keyframe(Frame& frame) {
-  if (worker_.pending()) carry_back();
+  wait();
   // Ids from before the last keyframe are held by the index alone: all frames that may still be
   // asked about were localised since.
   map_.forget_fusions(places_.followed_fusions());
@@ -49,15 +53,10 @@ int Mapper::insert_keyframe(Frame& frame) {
   return id;
 }
 
-void Mapper::adjust_whole(int which, int frame_index) {
-  full_adjustment_.start(map_, which, frame_index);
-}
-
 void Mapper::adjust_around(int keyframe, int frame_index) {
   if (map_.live_keyframes_in(map_.current_map()) < 2) return;
-  under_way_ = local_bundle(map_, model_, keyframe, options_.local);
   due_frame_ = frame_index + options_.bundle_delay;
-  worker_.submit(under_way_, options_.bundle);
+  worker_.submit(local_bundle(map_, model_, keyframe, options_.local));
 }
 
 void Mapper::create_landmarks(Frame& frame, int id, const std::vector<int>& feature_of_frame) {
@@ -115,25 +114,34 @@ void Mapper::cull_keyframes(int newest) {
 }
 
 void Mapper::advance(int frame_index) {
+  full_adjustment_.advance(map_, frame_index);
   const bool full_is_due = full_adjustment_.due(frame_index);
   if (worker_.pending() &&
-      (full_is_due || (realtime_ ? worker_.finished() : frame_index >= due_frame_)))
+      (realtime_ ? worker_.finished() : full_is_due || frame_index >= due_frame_))
     carry_back();
-  if (full_is_due) full_adjustment_.carry_back(map_);
+  if (full_is_due && !worker_.pending()) full_adjustment_.carry_back(map_);
+}
+
+bool Mapper::make_way_for_move() {
+  if (worker_.pending() && realtime_ && !worker_.finished()) return false;
+  wait();
+  full_adjustment_.stop();
+  return true;
 }
 
 void Mapper::carry_back() {
-  const BundleSolution solution = worker_.take();
-  apply_bundle(map_, under_way_, solution);
+  const Adjusted adjusted = worker_.take();
+  apply_bundle(map_, adjusted.problem, adjusted.solution);
 }
 
 void Mapper::finish(bool full_adjustment, const std::atomic<bool>* stop) {
   full_adjustment_.stop();
-  if (worker_.pending()) carry_back();
+  full_adjustment_.finish(map_);
+  wait();
   if (!full_adjustment) return;
   for (int which = 0; which < map_.maps(); ++which) {
     if (stop && *stop) return;
-    adjust_map(map_, model_, which, options_.full.iterations, stop);
+    adjust_map(map_, model_, which, options_.full.iterations, stop, options_.full.most_sightings);
   }
 }
 

@@ -6,9 +6,9 @@
 #include "dkp_slam/localization/frame.h"
 #include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/map/map.h"
-#include "dkp_slam/mapping/bundle_worker.h"
 #include "dkp_slam/mapping/full_adjustment.h"
 #include "dkp_slam/mapping/local_bundle.h"
+#include "dkp_slam/mapping/worker.h"
 
 namespace dkp_slam {
 
@@ -43,9 +43,16 @@ class Mapper {
   /// Starts the bundle adjustment about a keyframe, unless the map has no other. The one before
   /// has been carried back by `insert_keyframe`.
   void adjust_around(int keyframe, int frame_index);
-  /// Starts the bundle adjustment of a whole map, as after a loop was closed; one that is under way
-  /// is stopped.
-  void adjust_whole(int which, int frame_index);
+  /// Starts the bundle adjustment of the whole map that a keyframe belongs to, as after a loop was
+  /// closed there; one that is under way is stopped.
+  void adjust_whole(int keyframe) { full_adjustment_.start(map_, keyframe); }
+  /// Before the whole map is moved: carries the local bundle adjustment back and stops that of the
+  /// whole. False where that would have to wait, in real time: then the map must not be moved yet.
+  bool make_way_for_move();
+  /// Waits for the local bundle adjustment, if one is under way, and carries it back.
+  void wait() {
+    if (worker_.pending()) carry_back();
+  }
   /// To be called once per frame, before it is tracked: carries back what is due.
   void advance(int frame_index);
   /// True while a local bundle adjustment has been submitted and not carried back.
@@ -57,6 +64,11 @@ class Mapper {
   void finish(bool full_adjustment, const std::atomic<bool>* stop = nullptr);
 
  private:
+  struct Adjusted {
+    BundleProblem problem;
+    BundleSolution solution;
+  };
+
   void create_landmarks(Frame& frame, int id, const std::vector<int>& feature_of_frame);
   void cull_landmarks(int newest_keyframe);
   void cull_keyframes(int newest_keyframe);
@@ -68,8 +80,7 @@ class Mapper {
   const MapperOptions options_;
   const bool realtime_;
   FullAdjustment full_adjustment_;
-  BundleWorker worker_;
-  BundleProblem under_way_;
+  Worker<BundleProblem, Adjusted> worker_;
   int due_frame_ = 0;
   std::deque<int> recent_landmarks_;
 };

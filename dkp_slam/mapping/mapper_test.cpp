@@ -249,10 +249,13 @@ TEST_F(Mapping, TheWorkerSolvesWhatASingleThreadSolves) {
   map.keyframe(1).camera_from_world.translation.x() += 0.01;
   const BundleProblem problem = full_bundle(map, MeasurementModel(), 0);
   const BundleSolution expected = adjust_bundle(world.camera, MeasurementModel(), problem);
-  BundleWorker worker(world.camera, MeasurementModel());
+  Worker<BundleProblem, BundleSolution> worker(
+      [&](const BundleProblem& asked, const std::atomic<bool>& stop) {
+        return adjust_bundle(world.camera, MeasurementModel(), asked, {}, &stop);
+      });
   for (int i = 0; i < 3; ++i) {
     EXPECT_FALSE(worker.pending());
-    worker.submit(problem, BundleOptions());
+    worker.submit(problem);
     EXPECT_TRUE(worker.pending());
     const BundleSolution solution = worker.take();
     ASSERT_TRUE(solution.usable);
@@ -261,7 +264,7 @@ TEST_F(Mapping, TheWorkerSolvesWhatASingleThreadSolves) {
                 expected.poses[p].camera_from_world.translation);
     }
   }
-  worker.submit(problem, BundleOptions());  // and may be left with work under way
+  worker.submit(problem);  // and may be left with work under way
 }
 
 }  // namespace

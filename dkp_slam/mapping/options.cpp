@@ -15,7 +15,11 @@ void FullAdjustmentOptions::describe(OptionList& list) {
   list.add("delay", delay, at_least(1), "frames",
            "from its start until it is carried back, and one more per keyframe");
   list.add("most_sightings", most_sightings, at_least(1), "",
-           "a larger map is left to the pose graph");
+           "of a larger map only the part about the loop is adjusted");
+  list.add("sightings_per_frame", sightings_per_frame, at_least(1), "",
+           "that come into the snapshot in one frame");
+  list.add("outliers_per_frame", outliers_per_frame, at_least(1), "",
+           "that leave the map in one frame, after it");
 }
 
 void FullAdjustmentOptions::check() const { check_options(*this); }

@@ -1,5 +1,7 @@
 #include "dkp_slam/system/back_end.h"
 
+#include <limits>
+
 namespace dkp_slam {
 
 BackEnd::BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
@@ -8,17 +10,39 @@ BackEnd::BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
       places_(places),
       model_(model),
       close_loops_(options.close_loops),
-      loop_closer_(options.loops, seed),
+      followed_per_frame_(options.followed_per_frame),
+      loop_closer_(options.loops, seed, realtime),
       mapper_(map, places, model, options.mapper, realtime) {}
+
+void BackEnd::advance(int frame_index) {
+  frame_index_ = frame_index;
+  map_.follow_moves(followed_per_frame_);
+  mapper_.advance(frame_index);
+  if (loop_closer_.due(frame_index)) {
+    if (mapper_.make_way_for_move()) loop_closer_.carry_out(map_);
+  } else if (const auto closed = loop_closer_.advance(map_, places_, model_, frame_index)) {
+    mapper_.adjust_whole(closed->keyframe);
+  }
+}
 
 void BackEnd::insert_keyframe(Frame& frame) {
   const int id = mapper_.insert_keyframe(frame);
-  if (close_loops_ && loop_closer_.close(map_, places_, model_, id)) {
-    frame.camera_from_world = map_.keyframe(id).camera_from_world;
-    mapper_.adjust_whole(map_.current_map(), frame.index);
-  }
-  // Where maps were joined this one welds them: the keyframe's neighbours are of both now.
+  if (close_loops_) loop_closer_.add_keyframe(id);
   mapper_.adjust_around(id, frame.index);
+}
+
+void BackEnd::finish(bool full_adjustment, const std::atomic<bool>* stop) {
+  while (loop_closer_.busy() && !(stop && *stop)) {
+    if (loop_closer_.waiting()) {
+      mapper_.wait();
+      mapper_.make_way_for_move();
+      loop_closer_.carry_out(map_);
+    } else {
+      loop_closer_.advance(map_, places_, model_, frame_index_);
+    }
+  }
+  mapper_.finish(full_adjustment, stop);
+  map_.follow_moves(std::numeric_limits<std::size_t>::max());
 }
 
 }  // namespace dkp_slam

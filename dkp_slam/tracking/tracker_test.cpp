@@ -24,11 +24,12 @@ struct Tracking : ::testing::Test {
   Map map{world.camera, 1.2F, 8};
   PlaceIndex places;
   TrackerOptions options;
+  bool localize_only = false;
   std::optional<Tracker> made_;
 
   /// Made at the first call, with the options as they are then.
   Tracker& tracker() {
-    if (!made_) made_.emplace(map, places, MeasurementModel(), options);
+    if (!made_) made_.emplace(map, places, MeasurementModel(), options, localize_only);
     return *made_;
   }
 
@@ -361,7 +362,7 @@ TEST_F(Tracking, LocalizeOnlyLeavesTheMapAsItIs) {
   Frame first = frame_at({}, 0);
   ASSERT_TRUE(track(first).keyframe_due);
   const MapParts before = parts_of(map);
-  options.localize_only = true;
+  localize_only = true;
   made_.reset();
   // Lost at first, as in any map from before; then for so long that another map would be begun; and
   // with landmarks that move.

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <map>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -75,7 +73,6 @@ inline LateOutcome play_late(const PreparedRecording& world, const SlamConfig& o
   config.camera = world.recording.camera;
   Engine engine(config);
   LateOutcome outcome;
-  std::vector<std::map<int, std::pair<int,int>>> per(world.frames.size()); std::vector<std::string> note(world.frames.size());
   double on_actors = 0.0, removed = 0.0, on_room = 0.0, kept = 0.0;
   for (std::size_t i = 0; i < world.frames.size(); ++i) {
     PreparedFrame prepared = world.frames[i];
@@ -83,8 +80,6 @@ inline LateOutcome play_late(const PreparedRecording& world, const SlamConfig& o
     const auto snapshot = engine.track(std::move(prepared));
     outcome.lost += !snapshot->result.localised;
     outcome.objects.push_back(static_cast<int>(snapshot->dynamics.objects.size()));
-    for (auto& o : snapshot->dynamics.objects) { char b[200]; std::snprintf(b, 200, "%d:c%d%s(%.0f,%.0f %.0fx%.0f T%.2f) ", o.id, o.class_id, o.compensated ? "*" : "", o.box.x, o.box.y, o.box.width, o.box.height, o.mean_depth); note[i] += b; }
-    for (auto& o : world.recording.truths[i].objects) { char b[200]; std::snprintf(b, 200, "true %d:%s(%d,%d %dx%d) ", o.instance, o.class_name.c_str(), o.box.x, o.box.y, o.box.width, o.box.height); note[i] += b; }
     const cv::Mat& mask = world.recording.truths[i].mask;
     for (std::size_t k = 0; k < snapshot->keypoints.size(); ++k) {
       const cv::Point2f& p = snapshot->keypoints[k].pt;
@@ -92,19 +87,10 @@ inline LateOutcome play_late(const PreparedRecording& world, const SlamConfig& o
       if (mask.at<std::uint8_t>(cvRound(p.y), cvRound(p.x)) != 0) {
         on_actors += 1.0;
         removed += !is_static;
-        const int inst = world.recording.truths[i].instance.at<std::uint8_t>(cvRound(p.y), cvRound(p.x));
-        ++per[i][inst].first; per[i][inst].second += !is_static;
       } else {
         on_room += 1.0;
         kept += is_static;
       }
-    }
-  }
-  if (std::getenv("VERBOSE")) {
-    for (std::size_t i = 0; i < per.size(); ++i) {
-      std::printf("frame %zu:", i);
-      for (auto& [k, v] : per[i]) std::printf(" [%d] %d/%d", k, v.second, v.first);
-      std::printf(" | %s\n", note[i].c_str());
     }
   }
   engine.finish();

@@ -136,9 +136,14 @@ void ObjectTracker::take(const Detection& d, const cv::Rect2f& box, double image
 }
 
 /// A late detection's box together with where the object's mask went, as far as an object of that
-/// size can reach: the carried box drifts, and the mask of the frame before does not.
+/// size can reach: the carried box drifts, and the mask of the frame before does not. A mask that
+/// is mostly another object's says nothing: who stands in front was cut in place of who is behind.
 cv::Rect2f ObjectTracker::with_mask(const cv::Rect2f& box, const Tracked& t) const {
   if (t.mask.empty()) return box;
+  const int area = cv::countNonZero(t.mask.mask);
+  for (const Tracked& other : objects_) {
+    if (&other != &t && 2 * mask_overlap(t.mask, other.mask) > area) return box;
+  }
   const cv::Size2f size(options_.carried_growth * box.width, options_.carried_growth * box.height);
   const cv::Point2f centre = 0.5F * (box.tl() + box.br());
   const cv::Rect2f reach(centre - 0.5F * cv::Point2f(size), size);

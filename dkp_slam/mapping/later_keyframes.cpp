@@ -1,0 +1,26 @@
+#include "dkp_slam/mapping/later_keyframes.h"
+
+#include <algorithm>
+
+namespace dkp_slam {
+
+void move_with_later_keyframes(Map& map, MapMove move, int first_later) {
+  const std::size_t known = move.keyframes.size();
+  const auto find = [&](int id) -> const MapMove::Keyframe* {
+    const auto end = move.keyframes.begin() + static_cast<std::ptrdiff_t>(known);
+    const auto it =
+        std::lower_bound(move.keyframes.begin(), end, id,
+                         [](const MapMove::Keyframe& k, int wanted) { return k.id < wanted; });
+    return it != end && it->id == id ? &*it : nullptr;
+  };
+  for (int k = first_later; k < map.keyframe_ids(); ++k) {
+    if (map.keyframe(k).removed) continue;
+    int ancestor = map.keyframe(k).parent;
+    while (ancestor >= 0 && !find(ancestor)) ancestor = map.keyframe(ancestor).parent;
+    if (ancestor < 0) continue;
+    move.keyframes.push_back({k, find(ancestor)->world_after_from_before, {}});
+  }
+  map.move(std::move(move));
+}
+
+}  // namespace dkp_slam
