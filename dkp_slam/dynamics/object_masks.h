@@ -14,7 +14,7 @@ namespace dkp_slam {
 void cut_objects(const MaskCutter& cutter, const Scene& scene, std::uint64_t seed,
                  ObjectTracker& objects);
 
-/// CV_8UC1 of the image's size: i + 1 in the mask of `objects()[i]`, near ones on top.
-cv::Mat paint_labels(const ObjectTracker& objects, const cv::Size& image);
+/// CV_8UC1 of the image's size: i + 1 in the mask of `tracker.objects()[i]`, near ones on top.
+cv::Mat paint_labels(const ObjectTracker& tracker, const cv::Size& image);
 
 }  // namespace dkp_slam

@@ -8,8 +8,6 @@
 namespace dkp_slam {
 namespace {
 
-constexpr double same_time = 1e-4;  // seconds: stamps in text files are rounded
-
 float depth_at(const DepthView& view, const cv::Point2f& p) {
   return view.depth.at<float>(std::clamp(cvRound(p.y) / DepthView::step, 0, view.depth.rows - 1),
                               std::clamp(cvRound(p.x) / DepthView::step, 0, view.depth.cols - 1));

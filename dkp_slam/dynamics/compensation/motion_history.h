@@ -16,6 +16,9 @@ namespace dkp_slam {
 
 class OptionList;
 
+/// Seconds by which two time stamps of one moment may differ: those in text files are rounded.
+inline constexpr double same_time = 1e-4;
+
 struct MotionHistoryOptions {
   /// What lies in a box within so many metres of the object's depth belongs to it: half the depth
   /// of a person with an arm stretched out.

@@ -20,8 +20,6 @@ cv::Rect2f mask_box(const ObjectMask& mask) {
   return cv::Rect2f(cv::Rect(r.x * step, r.y * step, r.width * step, r.height * step));
 }
 
-constexpr double same_time = 1e-4;  // seconds: stamps in text files are rounded
-
 /// Where the object's box was at a time, pixels; nothing when it was not known then.
 std::optional<cv::Rect2f> box_at(const ObjectTracker::Tracked& t, double time) {
   if (t.past.empty() || time > t.past.back().time + same_time) return t.object.box;
