@@ -30,9 +30,8 @@ std::optional<Map> RunMap::take_stored() {
 bool RunMap::begin(const SlamConfig& config) {
   if (file_.empty()) return false;
   writer_ = stored_ ? std::make_unique<MapWriter>(file_, std::move(stored_->state))
-                    : std::make_unique<MapWriter>(
-                          file_, Map(config.camera, config.orb.scale,
-                                     scaled_to_camera(config).orb.levels));
+                    : std::make_unique<MapWriter>(file_, Map(config.camera, config.orb.scale,
+                                                             scaled_to_camera(config).orb.levels));
   return true;
 }
 
