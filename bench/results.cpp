@@ -21,6 +21,7 @@
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/machine.h"
+#include "dkp_slam/evaluation/report/run_record.h"
 #include "dkp_slam/export/atomic_file.h"
 
 namespace dkp_slam::bench {
@@ -37,11 +38,10 @@ struct Arguments {
   std::vector<std::string> cameras{"fr1_xyz=tum_fr1.yaml", "fr3_walking_halfsphere_50=tum_fr3.yaml",
                                    "composite_xyz_walking=tum_fr1.yaml",
                                    "composite_xyz_sitting=tum_fr1.yaml"};
-  std::vector<std::string> modes{"off", "d", "dk", "dkp", "dkp+"};
+  std::vector<std::string> modes = bench_modes();
   std::vector<std::string> command;
 };
 
-const std::vector<std::string> all_modes{"off", "d", "dk", "dkp", "dkp+"};
 // The mode whose masks and features the goals are about.
 const std::string scored_mode = "dkp+";
 
@@ -212,7 +212,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--modes", arguments.modes, "Ablation modes, separated by commas")
       ->delimiter(',')
-      ->check(CLI::IsMember(bench::all_modes))
+      ->check(CLI::IsMember(bench_modes()))
       ->capture_default_str();
   app.add_option("--out", arguments.out, "File for the page, which is printed in any case");
   app.add_option("--also", arguments.also,

@@ -28,7 +28,7 @@ struct RunFigures {
   std::optional<double> rpe_second, rpe_frame;  ///< translation, RMSE, metres over 1 s and 1 frame
   std::optional<double> rpe_degrees;            ///< rotation, RMSE, degrees over 1 s
   std::map<std::string, double> stage_ms;       ///< medians over frames, by column of timings.csv
-  /// Median of features, clustering, removal and tracking; of mode dkp+ in a second run that reads
+  /// Median of features, clustering, removal and tracking, in a second run that reads
   /// its detections from a file.
   double without_detection_ms = 0.0;
   double peak_memory_mb = 0.0;

@@ -24,9 +24,6 @@ namespace fs = std::filesystem;
 // Written last: a run without it was cut off.
 const char* const record_name = "process.json";
 
-/// The mode that is run once more with its own detections read from a file.
-const char* const replayed_mode = "dkp+";
-
 std::vector<std::string> command_of(const MeasureOptions& options, const RunKey& key) {
   std::vector<std::string> command = {options.program.string(),
                                       "run",
@@ -125,7 +122,7 @@ bool measure_run(const MeasureOptions& options, const RunKey& key,
   fs::create_directories(folder);
   const std::vector<std::string> command = command_of(options, key);
   const ProcessResult result = run_process(command, folder / "log.txt", stop);
-  if (!stop() && result.exit_code == 0 && key.mode == replayed_mode) {
+  if (!stop() && result.exit_code == 0) {
     fs::remove_all(folder / "replay");
     run_process(replay_of(options, key), folder / "replay_log.txt", stop);
   }
@@ -157,14 +154,10 @@ RunFigures read_run(const MeasureOptions& options, const RunKey& key) {
     // Frames whose images could not be read are lost to the user too.
     figures.frames = summary.at("frames").get<std::size_t>() +
                      summary.value("skipped_frames", static_cast<std::size_t>(0));
-    if (key.mode == replayed_mode) {
-      set_times(figures, read_times(folder / "replay"));
-      const double without_detection = figures.without_detection_ms;
-      set_times(figures, read_times(folder / "out"));
-      figures.without_detection_ms = without_detection;
-    } else {
-      set_times(figures, read_times(folder / "out"));
-    }
+    set_times(figures, read_times(folder / "replay"));
+    const double without_detection = figures.without_detection_ms;
+    set_times(figures, read_times(folder / "out"));
+    figures.without_detection_ms = without_detection;
     const Trajectory estimate = read_trajectory(folder / "out" / "trajectory.txt");
     // Counted in what a user gets, not taken from the program's own word.
     figures.lost_frames = figures.frames - std::min(figures.frames, estimate.size());

@@ -40,10 +40,11 @@ struct SlamCounters {
 /// (`realtime`) `feed` returns at once; what comes too fast is dropped, the oldest frame first,
 /// and counted; nobody waits for the detector, whose newest answer counts.
 ///
-/// Threads: features, detection, tracking and every observer run in threads of their own. `feed`,
-/// `poll`, `wait` and `finish` may be called from any thread, but each by one at a time; `counters`
-/// by all at any time. Observers are added before the first frame. The map and the trajectories
-/// belong to the tracking thread until `finish` has returned; asking for them before throws.
+/// Threads: features, detection, tracking and every observer run in threads of their own. `feed`
+/// and `finish` are called by one thread at a time, `poll` and `wait` by one (the same or another),
+/// `counters` by any at any time. Observers are added before the first frame. The map and the
+/// trajectories belong to the tracking thread until `finish` has returned; asking for them before
+/// throws.
 class Slam {
  public:
   /// `detector` may be null: then nothing but motion tells what is dynamic. `stored`: a map to

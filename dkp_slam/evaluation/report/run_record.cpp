@@ -13,6 +13,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/sequence_name.h"
 #include "dkp_slam/evaluation/report/published.h"
@@ -93,7 +94,11 @@ class AppendedFile {
 }  // namespace
 
 const std::vector<std::string>& bench_modes() {
-  static const std::vector<std::string> modes{"off", "d", "dk", "dkp", "dkp+"};
+  static const std::vector<std::string> modes = [] {
+    std::vector<std::string> names;
+    for (const ModeInfo& mode : dynamics_modes()) names.emplace_back(mode.name);
+    return names;
+  }();
   return modes;
 }
 
