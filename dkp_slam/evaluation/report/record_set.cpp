@@ -101,12 +101,9 @@ std::string RecordSet::label(const BenchConfig& config) const {
 }
 
 Colour RecordSet::colour(const BenchConfig& config) const {
-  static const std::map<std::string, Colour> colours{{"off", {222, 92, 56}},
-                                                     {"paper", {120, 120, 120}},
-                                                     {"d", {214, 158, 30}},
-                                                     {"dk", {92, 156, 68}},
-                                                     {"dkp", {136, 86, 190}},
-                                                     {"dkp+", {31, 110, 190}}};
+  static const std::map<std::string, Colour> colours{
+      {"off", {222, 92, 56}}, {"paper", {120, 120, 120}}, {"d", {214, 158, 30}},
+      {"dk", {92, 156, 68}},  {"dkp", {136, 86, 190}},    {"dkp+", {31, 110, 190}}};
   std::size_t step = 0;
   for (const BenchConfig& other : configs_) {
     if (other == config) break;
