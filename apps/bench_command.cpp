@@ -151,7 +151,7 @@ void add_plan_options(CLI::App& command, BenchPlanOptions& plan) {
           "--detector", plan.detectors,
           "What finds objects, separated by commas: auto (YOLOX when there is a model, else "
           "motion), yolox, motion, boxes (DIR/detections.txt) or none; each of them with "
-          "each mode but off")
+          "each mode but off and masks (DIR/mask), which use none")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"auto", "yolox", "motion", "boxes", "none"}))

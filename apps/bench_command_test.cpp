@@ -122,6 +122,22 @@ TEST_F(BenchCommand, EachRunIsALineWithItsFiguresAndTheReportShowsThem) {
   EXPECT_THAT(stdout_, HasSubstr((out() / "report.html").string()));
 }
 
+TEST_F(BenchCommand, MasksAreAModeOfSequencesThatHaveThem) {
+  cv::Mat mask = cv::Mat::zeros(480, 640, CV_8UC1);
+  mask.colRange(0, 320) = 255;
+  fs::create_directory(wall() / "mask");
+  for (int i = 0; i < frame_count; ++i) {
+    cv::imwrite(wall() / "mask" / (WallSequence::stamp(i) + ".png"), mask);
+  }
+  ASSERT_EQ(bench({wall(), "--modes", "masks", "--repeat", "1", "--out", out()}), 0) << stderr_;
+  const std::vector<RunRecord> lines = records();
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(run_name(lines[0]), "wall/masks-none/seed1");
+  EXPECT_EQ(lines[0].lost, 0U);
+  EXPECT_NEAR(static_cast<double>(lines[0].removed) / static_cast<double>(lines[0].features), 0.5,
+              0.1);
+}
+
 TEST_F(BenchCommand, WhatIsKnownIsNotRunAgain) {
   ASSERT_EQ(bench(small("out", 1)), 0) << stderr_;
   const std::string before = content(out() / "results.jsonl");
@@ -231,6 +247,7 @@ TEST_F(BenchCommand, BadInputIsRefusedBeforeAnythingRuns) {
   expect_refused(1, "no such folder", {folder_ / "nothing", "--out", o});
   expect_refused(1, "no such camera file", {wall(), "--camera", "fr9", "--out", o});
   expect_refused(1, "has no detections.txt", {wall(), "--detector", "boxes", "--out", o});
+  expect_refused(1, "has no folder mask", {wall(), "--modes", "masks", "--out", o});
   expect_refused(1, "no YOLOX model", {wall(), "--detector", "yolox", "--out", o});
   expect_refused(1, "two sequences of one name", {wall(), wall(), "--out", o});
   fs::remove(wall() / "camera.yaml");
@@ -276,7 +293,8 @@ TEST_F(BenchCommand, APlanTakesOffOnceAndEveryOtherModeWithEachDetector) {
   std::ofstream(wall() / "detections.txt") << "# none\n";
   apps::BenchPlanOptions options;
   options.folders = {wall()};
-  options.modes = {"off", "dkp+", "off"};
+  options.modes = {"off", "dkp+", "off", "masks"};
+  fs::create_directory(wall() / "mask");
   options.detectors = {"motion", "boxes"};
   options.repeat = 2;
   std::vector<std::string> names;
@@ -285,8 +303,9 @@ TEST_F(BenchCommand, APlanTakesOffOnceAndEveryOtherModeWithEachDetector) {
     names.push_back(fmt::format("{} {} {}", job.seed, job.mode, job.detector.name));
     fingerprints.insert(apps::options_fingerprint(job));
   }
-  EXPECT_THAT(names, ::testing::ElementsAre("1 off none", "1 dkp+ motion", "1 dkp+ boxes",
-                                            "2 off none", "2 dkp+ motion", "2 dkp+ boxes"));
+  EXPECT_THAT(
+      names, ::testing::ElementsAre("1 off none", "1 dkp+ motion", "1 dkp+ boxes", "1 masks none",
+                                    "2 off none", "2 dkp+ motion", "2 dkp+ boxes", "2 masks none"));
   EXPECT_EQ(fingerprints.size(), names.size());
 }
 

@@ -42,10 +42,11 @@ std::vector<std::string> names_of_modes() {
 /// The detector, with all that was left open filled into `config`. Null for none.
 std::unique_ptr<Detector> choose_detector(const RunOptions& options, SlamConfig& config) {
   DetectorOptions& detector = config.detector;
-  const bool off = config.dynamics.mode == DynamicsMode::off;
-  if (off) detector.kind = DetectorKind::none;
+  const ModeInfo& mode = mode_info(config.dynamics.mode);
+  if (!mode.detector) detector.kind = DetectorKind::none;
   if (detector.kind == DetectorKind::none) {
-    spdlog::info("no detector runs ({})", off ? "mode off" : "detector none");
+    spdlog::info("no detector runs ({})",
+                 mode.detector ? "detector none" : std::string("mode ") + mode.name);
     return nullptr;
   }
   if (!options.classes.empty()) detector.yolox.classes = ClassTable::load(options.classes);
@@ -69,10 +70,16 @@ nlohmann::ordered_json describe(const RunOptions& options, const SlamConfig& con
   json["mode"] = mode_info(config.dynamics.mode).name;
   json["model"] = yolox ? config.detector.yolox.model.string() : "";
   json["detections"] = options.detections.string();
+  json["masks"] = options.masks.string();
   json["classes"] = options.classes.string();
   json["provider"] = yolox ? config.detector.yolox.provider : "";
   json["seed"] = config.seed;
   json["realtime"] = config.realtime;
+  if (config.realtime) {
+    json["rate"] = options.rate.value_or(1.0);
+  } else {
+    json["rate"] = nullptr;
+  }
   json["map"] = options.map.string();
   json["localize"] = options.localize.string();
   return json;
@@ -130,6 +137,7 @@ RunTotals play_run(RgbdSource& source, Slam& slam, const RunObservers& observers
     totals.failure = error.what();
   }
   totals.skipped_frames = source.skipped();
+  totals.frames_without_mask = source.without_mask();
   const SlamCounters counters = slam.counters();
   totals.dropped_frames = counters.dropped;
   totals.detector_failures = counters.detector_failures;
@@ -151,14 +159,33 @@ std::optional<ErrorStatistics> error_against_truth(const std::string& sequence,
   }
 }
 
-void run(RunOptions options) {
-  SlamConfig config = make_config(options.config);
+/// Throws CLI::ValidationError for options that do not go together.
+void check_together(const RunOptions& options, const SlamConfig& config) {
   if (config.realtime && options.one_at_a_time) {
     throw CLI::ValidationError("--one-at-a-time", "not with realtime");
+  }
+  if (!config.realtime && options.rate) {
+    throw CLI::ValidationError("--rate", "needs --realtime: without it nothing is played by time");
+  }
+  if (options.rate && !(*options.rate > 0.0 && *options.rate <= 100.0)) {
+    throw CLI::ValidationError("--rate", "must be above 0 and at most 100");
   }
   if (config.localize_only && options.localize.empty()) {
     throw CLI::ValidationError("localize_only", "needs a map; give --localize FILE instead");
   }
+  const DynamicsMode mode = config.dynamics.mode;
+  if (options.masks.empty()) {
+    if (mode == DynamicsMode::masks) throw CLI::ValidationError("mode masks", "needs --masks DIR");
+  } else if (mode != DynamicsMode::masks && mode != DynamicsOptions().mode) {
+    throw CLI::ValidationError(
+        "--masks", fmt::format("is a mode of its own, masks, not {}", mode_info(mode).name));
+  }
+}
+
+void run(RunOptions options) {
+  SlamConfig config = make_config(options.config);
+  check_together(options, config);
+  if (!options.masks.empty()) config.dynamics.mode = DynamicsMode::masks;
   config.localize_only = !options.localize.empty();
   const bool camera_given = !options.camera.empty();
   options.camera = choose_camera(options.sequence, options.camera);
@@ -166,7 +193,9 @@ void run(RunOptions options) {
   config.camera = load_camera(options.camera);
   // Everything that can be wrong is found before the first frame; the folder comes last, so that
   // other mistakes leave none behind.
-  auto source = open_tum_folder(options.sequence, config.camera);
+  TumOptions images;
+  images.masks = options.masks;
+  auto source = open_tum_folder(options.sequence, config.camera, images);
   auto detector = choose_detector(options, config);
   RunObservers observers;
   observers.map = std::make_shared<RunMap>(options.map, options.localize, config);
@@ -187,7 +216,7 @@ void run(RunOptions options) {
   Slam slam(config, std::move(detector), std::move(stored));
   observers.join(slam, with_map);
   PlaybackOptions playback;
-  playback.rate = config.realtime ? 1.0 : 0.0;
+  playback.rate = config.realtime ? options.rate.value_or(1.0) : 0.0;
   playback.one_at_a_time = options.one_at_a_time;
   playback.stop = &interrupt_flag();
   result.totals = play_run(*source, slam, observers, log, playback);
@@ -220,20 +249,30 @@ void add_detector_options(CLI::App& command, RunOptions& options) {
   auto* recorded = command.add_option(
       "--detections", options.detections,
       "Boxes of this file instead of a detector's, as in an earlier run's detections.txt");
-  add_shortcut(command, options.config, "--detector", "detector.kind",
-               "What finds objects that may move: auto (YOLOX when there is a model, else motion), "
-               "yolox, motion or none")
-      ->check(CLI::IsMember({"auto", "yolox", "motion", "none"}))
-      ->default_str("auto")
-      ->excludes(recorded);
-  add_shortcut(command, options.config, "--model", "detector.yolox.model",
-               "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
+  auto* detector =
+      add_shortcut(
+          command, options.config, "--detector", "detector.kind",
+          "What finds objects that may move: auto (YOLOX when there is a model, else motion), "
+          "yolox, motion or none")
+          ->check(CLI::IsMember({"auto", "yolox", "motion", "none"}))
+          ->default_str("auto")
+          ->excludes(recorded);
+  auto* model =
+      add_shortcut(command, options.config, "--model", "detector.yolox.model",
+                   "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
   add_shortcut(command, options.config, "--provider", "detector.yolox.provider",
                "Execution provider of ONNX Runtime: cpu, cuda or tensorrt")
       ->check(CLI::IsMember({"cpu", "cuda", "tensorrt"}))
       ->default_str("cpu");
   command.add_option("--classes", options.classes,
                      "Weight of each class (YAML, see config/classes.yaml)");
+  command
+      .add_option("--masks", options.masks,
+                  "Mode masks: folder of somebody's segmentation instead of a detector, for each "
+                  "colour image a PNG of its name, 8-bit grey, 0 on what is static")
+      ->excludes(recorded)
+      ->excludes(detector)
+      ->excludes(model);
 }
 
 }  // namespace
@@ -247,7 +286,8 @@ void add_run_command(CLI::App& program) {
                       "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else "
                       "SEQUENCE/camera.yaml, else by the folder's name");
   add_shortcut(*command, options->config, "--mode", "mode",
-               "What is removed: off (nothing), paper (the paper to the letter), d (boxes), dk "
+               "What is removed: off (nothing), masks (what --masks say), paper (the paper to the "
+               "letter), d (boxes), dk "
                "(clustered masks), dkp (region and epipolar rule), dkp+ (ours); docs/modes.md")
       ->check(CLI::IsMember(names_of_modes()).description(mode_names()))
       ->default_str("dkp+");
@@ -255,6 +295,10 @@ void add_run_command(CLI::App& program) {
   auto* realtime =
       add_flag_shortcut(*command, options->config, "--realtime", "realtime",
                         "Play by the time stamps, drop what comes too late, wait for nothing");
+  command->add_option(
+      "--rate", options->rate,
+      "With --realtime: so many times as fast as it was recorded, above 0 and at most 100; "
+      "default: 1");
   command
       ->add_flag(
           "--one-at-a-time", options->one_at_a_time,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "apps/config_options.h"
@@ -14,7 +15,9 @@ struct RunOptions {
   std::filesystem::path map;         ///< file to go on from and to keep up to date; empty for none
   std::filesystem::path localize;    ///< map file to find the camera in; empty for none
   std::filesystem::path detections;  ///< recorded ones instead of a detector's; empty for none
+  std::filesystem::path masks;       ///< folder of masks instead of a detector; empty for none
   ConfigOptions config;
+  std::optional<double> rate;  ///< in real time: so many times as fast as it was recorded
   bool one_at_a_time = false;
   bool overlay = false;
   int overlay_every = 30;  ///< frames; one picture a second

@@ -76,6 +76,7 @@ nlohmann::ordered_json summary_json(const RunResult& result) {
   json["localised_frames"] = totals.localised;
   json["lost_frames"] = totals.frames - totals.localised;
   json["skipped_frames"] = totals.skipped_frames;
+  json["frames_without_mask"] = totals.frames_without_mask;
   json["dropped_frames"] = totals.dropped_frames;
   json["detections"] = totals.detections;
   json["compensated_detections"] = totals.compensated;
@@ -103,6 +104,9 @@ std::string summary_text(const RunResult& result, const fs::path& out) {
   std::string text = fmt::format("{} of {} frames localised, {} lost", totals.localised,
                                  totals.frames, totals.frames - totals.localised);
   if (totals.skipped_frames > 0) text += fmt::format(", {} not readable", totals.skipped_frames);
+  if (totals.frames_without_mask > 0) {
+    text += fmt::format(", {} without mask", totals.frames_without_mask);
+  }
   if (totals.dropped_frames > 0) text += fmt::format(", {} dropped", totals.dropped_frames);
   text += fmt::format("; {} keyframes, {} landmarks", result.keyframes.size(), result.landmarks);
   if (result.loops_closed > 0) text += fmt::format(", {} loops closed", result.loops_closed);

@@ -21,8 +21,9 @@ struct RunTotals {
   std::size_t localised = 0;
   long detections = 0, compensated = 0;  ///< see FrameResult
   long features = 0, removed_features = 0;
-  std::size_t skipped_frames = 0;  ///< images that could not be read
-  int dropped_frames = 0;          ///< too late in real time
+  std::size_t skipped_frames = 0;       ///< images that could not be read
+  std::size_t frames_without_mask = 0;  ///< of masks that were given
+  int dropped_frames = 0;               ///< too late in real time
   int detector_failures = 0;
   int pictures = 0;  ///< of the overlay
   bool interrupted = false;

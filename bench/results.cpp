@@ -19,6 +19,7 @@
 #include "bench/results/measure.h"
 #include "bench/results/report.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/machine.h"
 #include "dkp_slam/evaluation/report/run_record.h"
@@ -132,14 +133,23 @@ std::string text_of(const fs::path& path) {
   return text.str();
 }
 
+/// Mode masks is the control: it runs where the true masks are known.
+bool can_run(const MeasureOptions& options, const std::string& sequence, const std::string& mode) {
+  return mode != mode_info(DynamicsMode::masks).name || has_masks(options, sequence);
+}
+
 /// Everything, a repetition at a time, so that an interrupted measurement has seen all sequences.
 bool measure_all(const Arguments& arguments, const MeasureOptions& options, Results& results) {
-  const std::size_t total = static_cast<std::size_t>(arguments.repeat) *
-                            arguments.sequences.size() * arguments.modes.size();
+  std::size_t total = 0;
+  for (const std::string& sequence : arguments.sequences) {
+    for (const std::string& mode : arguments.modes) total += can_run(options, sequence, mode);
+  }
+  total *= static_cast<std::size_t>(arguments.repeat);
   std::size_t at = 0;
   for (int repetition = 1; repetition <= arguments.repeat; ++repetition) {
     for (const std::string& sequence : arguments.sequences) {
       for (const std::string& mode : arguments.modes) {
+        if (!can_run(options, sequence, mode)) continue;
         const RunKey key{sequence, mode, seed_of(repetition)};
         const std::string name =
             fmt::format("[{}/{}] {} {} seed {}", ++at, total, sequence, mode, key.seed);

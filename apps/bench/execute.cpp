@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/bench/output.h"
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/evaluation/measure/child_process.h"
@@ -45,7 +46,9 @@ std::vector<std::string> command_of(const BenchSetup& setup, const BenchJob& job
                                       "--out",
                                       out.string()};
   const BenchDetector& detector = job.detector;
-  if (detector.name == "boxes") {
+  if (job.mode == mode_info(DynamicsMode::masks).name) {
+    command.insert(command.end(), {"--masks", (job.sequence.folder / "mask").string()});
+  } else if (detector.name == "boxes") {
     command.insert(command.end(),
                    {"--detections", (job.sequence.folder / "detections.txt").string()});
   } else {

@@ -9,6 +9,7 @@
 
 #include "apps/camera_choice.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/fingerprint.h"
 
@@ -102,6 +103,12 @@ std::vector<BenchDetector> choose_detectors(const BenchPlanOptions& options,
   return detectors;
 }
 
+void check_masks(const BenchSequence& sequence) {
+  if (fs::is_directory(sequence.folder / "mask")) return;
+  throw Error(sequence.folder.string() +
+              ": has no folder mask; leave masks out of --modes, or the sequence out");
+}
+
 /// The arguments that give each run the configuration that the user wants.
 std::vector<std::string> config_arguments(const ConfigOptions& options) {
   std::vector<std::string> arguments;
@@ -143,7 +150,8 @@ std::vector<BenchJob> plan_jobs(const BenchPlanOptions& options) {
       for (const std::string& mode : options.modes) {
         if (std::find(done.begin(), done.end(), mode) != done.end()) continue;
         done.push_back(mode);
-        if (mode == "off") {
+        if (mode == mode_info(DynamicsMode::masks).name) check_masks(sequence);
+        if (!mode_info(mode_named(mode)).detector) {
           jobs.push_back({sequence, mode, {"none", {}, {}}, seed, config, config_fingerprint});
           continue;
         }

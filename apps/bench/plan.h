@@ -55,9 +55,9 @@ struct Shard {
 Shard parse_shard(const std::string& text);
 
 /// Every run that was asked for, seed by seed, so that an interrupted bench has seen all sequences.
-/// Mode off, which uses no detector, is run once, not once for each. Throws `Error` for a folder
-/// without a sequence or true path, two folders of one name, a camera that is not known, and
-/// recorded boxes or a model that are missing.
+/// Modes off and masks, which use no detector, are run once, not once for each. Throws `Error` for
+/// a folder without a sequence or true path, two folders of one name, a camera that is not known,
+/// and recorded boxes, masks or a model that are missing.
 std::vector<BenchJob> plan_jobs(const BenchPlanOptions& options);
 
 /// The runs of one part: every count-th. All parts together are all runs, each once.

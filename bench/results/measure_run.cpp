@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/results/measure.h"
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/evaluation/measure/child_process.h"
@@ -36,7 +37,10 @@ std::vector<std::string> command_of(const MeasureOptions& options, const RunKey&
                                       std::to_string(key.seed),
                                       "--out",
                                       (run_folder(options, key) / "out").string()};
-  if (key.mode == "off") return command;
+  if (key.mode == mode_info(DynamicsMode::masks).name) {
+    command.insert(command.end(), {"--masks", (options.data / key.sequence / "mask").string()});
+  }
+  if (!mode_info(mode_named(key.mode)).detector) return command;
   command.insert(command.end(), {"--detector", options.model.empty() ? "motion" : "yolox"});
   if (!options.model.empty()) command.insert(command.end(), {"--model", options.model.string()});
   return command;
@@ -45,14 +49,17 @@ std::vector<std::string> command_of(const MeasureOptions& options, const RunKey&
 /// The same run with the detections that it made, one frame at a time: its times are those of
 /// tracking alone, as those of systems that read, detect and track in turn.
 std::vector<std::string> replay_of(const MeasureOptions& options, const RunKey& key) {
+  const bool detects = mode_info(mode_named(key.mode)).detector;
   RunKey plain = key;
-  plain.mode = "off";  // no detector
+  if (detects) plain.mode = "off";  // no detector
   std::vector<std::string> command = command_of(options, plain);
   const fs::path folder = run_folder(options, key);
   *(std::find(command.begin(), command.end(), "--mode") + 1) = key.mode;
   *(std::find(command.begin(), command.end(), "--out") + 1) = (folder / "replay").string();
-  command.insert(command.end(),
-                 {"--one-at-a-time", "--detections", (folder / "out" / "detections.txt").string()});
+  command.emplace_back("--one-at-a-time");
+  if (detects) {
+    command.insert(command.end(), {"--detections", (folder / "out" / "detections.txt").string()});
+  }
   return command;
 }
 

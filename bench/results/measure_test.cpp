@@ -15,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 bool go_on() { return false; }
 
@@ -95,6 +96,16 @@ TEST_F(MeasureRun, FiguresComeFromTheOutputOfTheRun) {
   ASSERT_TRUE(run.rpe_frame.has_value());
   EXPECT_NEAR(*run.rpe_frame, 0.04, 1e-4);
   EXPECT_GT(run.wall_s, 0.0);
+}
+
+TEST_F(MeasureRun, ModeMasksIsGivenTheTrueMasks) {
+  ASSERT_TRUE(measure_run(options_, {"fr1_line", "masks", 1}, go_on));
+  const std::string called = read(folder_ / "called");
+  const std::string masks = "--masks " + (options_.data / "fr1_line" / "mask").string();
+  // The run, and its replay one frame at a time.
+  EXPECT_NE(called.find(masks), called.rfind(masks));
+  EXPECT_THAT(called, HasSubstr("--one-at-a-time"));
+  EXPECT_THAT(called, Not(HasSubstr("--detect")));
 }
 
 TEST_F(MeasureRun, FinishedRunsAreKnownUntilSomethingChanges) {

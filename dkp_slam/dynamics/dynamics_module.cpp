@@ -48,6 +48,7 @@ struct DynamicsModule::State {
   std::optional<Se3> measure_ego_motion(Work& work);
   void cut_masks(Work& work);
   void classify(Work& work, FrameDynamics& result);
+  void follow_given_masks(const cv::Mat& grey, Work& work, FrameDynamics& result);
 };
 
 /// Flow of the features, and the objects carried along with it into this frame.
@@ -135,6 +136,24 @@ void DynamicsModule::State::classify(Work& work, FrameDynamics& result) {
   parts.flow_compensation->remember(std::move(work.points), std::move(is_static));
 }
 
+/// Mode masks: the masks say what moves, and what lies outside them how the camera moved.
+void DynamicsModule::State::follow_given_masks(const cv::Mat& grey, Work& work,
+                                               FrameDynamics& result) {
+  const RgbdFrame& frame = work.frame;
+  work.motion = parts.motion->track(grey, frame.depth, work.points, frame.timestamp);
+  work.labels = parts.given_masks->labels(frame, work.points, work.motion.tracks);
+  result.mask = work.labels > 0;
+  classify(work, result);
+  std::vector<std::uint8_t> support;
+  for (const FeatureDynamics& f : result.features) support.push_back(f.is_static ? 1 : 0);
+  parts.motion->measure_ego_motion(frame.depth, work.points, support, work.seed, work.motion);
+  for (std::size_t i = 0; i < support.size(); ++i) {
+    result.features[i].motion_residual = work.motion.residual[i];
+  }
+  if (!work.motion.camera_motion || !work.motion.from_low_points) return;
+  result.current_from_previous = work.motion.camera_motion->previous_from_current.inverse();
+}
+
 DynamicsModule::DynamicsModule(const Camera& camera, const DynamicsOptions& options,
                                std::uint64_t seed) {
   if (const auto wrong = camera.check()) {
@@ -164,6 +183,11 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   Work work{frame, {}, 0, {}, {}, {}};
   cv::KeyPoint::convert(keypoints, work.points);
   work.seed = s.seed + static_cast<std::uint64_t>(frame.index) * 0x9E3779B97F4A7C15ULL;
+  if (s.parts.given_masks) {
+    s.follow_given_masks(grey, work, result);
+    result.removal_ms = watch.ms();
+    return result;
+  }
   s.track(grey, answer, work);
   if (s.parts.ego_motion) result.current_from_previous = s.measure_ego_motion(work);
   result.removal_ms += watch.lap_ms();

@@ -10,12 +10,13 @@ namespace dkp_slam {
 const std::vector<ModeInfo>& dynamics_modes() {
   // The tracker is the same in all modes but the paper's, so that they differ in dynamics alone.
   static const std::vector<ModeInfo> modes = {
-      {DynamicsMode::off, "off", "nothing", true},
-      {DynamicsMode::paper, "paper", "what the paper's text removes, to the letter", false},
-      {DynamicsMode::d, "d", "boxes", true},
-      {DynamicsMode::dk, "dk", "clustered masks", true},
-      {DynamicsMode::dkp, "dkp", "by region weight times epipolar distance", true},
-      {DynamicsMode::dkp_plus, "dkp+", "masks, and what moves against the ego-motion", true}};
+      {DynamicsMode::off, "off", "nothing", true, false},
+      {DynamicsMode::masks, "masks", "what the masks hold that come with the images", true, false},
+      {DynamicsMode::paper, "paper", "what the paper's text removes, to the letter", false, true},
+      {DynamicsMode::d, "d", "boxes", true, true},
+      {DynamicsMode::dk, "dk", "clustered masks", true, true},
+      {DynamicsMode::dkp, "dkp", "by region weight times epipolar distance", true, true},
+      {DynamicsMode::dkp_plus, "dkp+", "masks, and what moves against the ego-motion", true, true}};
   return modes;
 }
 

@@ -9,6 +9,7 @@ namespace dkp_slam {
 /// What each is made of: parts.h, docs/modes.md.
 enum class DynamicsMode {
   off,       ///< nothing is removed: the plain RGB-D SLAM baseline
+  masks,     ///< what somebody else's segmentation holds, RgbdFrame::mask, and nothing else
   paper,     ///< the paper's text as it stands, whatever it costs
   d,         ///< all features in boxes go; missed detections are compensated
   dk,        ///< all features in the clustered masks go
@@ -22,12 +23,13 @@ struct ModeInfo {
   const char* name;      ///< as the user writes it: "dkp+"
   const char* removes;   ///< in a few words
   bool landmark_belief;  ///< TrackerOptions::use_belief in this mode
+  bool detector;         ///< whether it uses one
 };
 
 /// All modes, the plainest first.
 const std::vector<ModeInfo>& dynamics_modes();
 const ModeInfo& mode_info(DynamicsMode mode);
-/// "{off,paper,d,dk,dkp,dkp+}", for help texts.
+/// "{off,masks,paper,d,dk,dkp,dkp+}", for help texts.
 std::string mode_names();
 /// Throws `Error` that lists the modes when there is none of this name.
 DynamicsMode mode_named(const std::string& name);

@@ -43,11 +43,21 @@ DynamicsParts common_parts(const Camera& camera, const DynamicsOptions& options)
   return parts;
 }
 
+DynamicsParts given_parts(const Camera& camera, const DynamicsOptions& options) {
+  DynamicsParts parts;
+  parts.given_masks = std::make_unique<GivenMasks>(options.compensation.carry_seconds);
+  parts.motion = std::make_unique<FeatureMotionEstimator>(camera, options.motion);
+  parts.ego_motion = true;
+  parts.classifier = std::make_unique<GivenMaskRule>(options.removal.mask_margin);
+  return parts;
+}
+
 }  // namespace
 
 DynamicsParts make_parts(const Camera& camera, const DynamicsOptions& options) {
   if (options.mode == DynamicsMode::off) return {};
   if (options.mode == DynamicsMode::paper) return paper_parts(camera, options);
+  if (options.mode == DynamicsMode::masks) return given_parts(camera, options);
   DynamicsParts parts = common_parts(camera, options);
   switch (options.mode) {
     case DynamicsMode::d:
@@ -76,6 +86,7 @@ std::vector<std::string> DynamicsParts::names() const {
   };
   add(objects && !objects->carries(), "object tracker");
   add(objects && objects->carries(), "object tracker with carried boxes");
+  add(given_masks != nullptr, "given masks");
   add(motion != nullptr, "flow");
   add(ego_motion, "ego-motion");
   add(long_baseline, "long baseline");

@@ -7,6 +7,7 @@
 #include "dkp_slam/dynamics/compensation/flow_compensation.h"
 #include "dkp_slam/dynamics/compensation/object_tracker.h"
 #include "dkp_slam/dynamics/dynamics_options.h"
+#include "dkp_slam/dynamics/given_masks.h"
 #include "dkp_slam/dynamics/masks/mask_cutter.h"
 #include "dkp_slam/dynamics/masks/static_planes.h"
 #include "dkp_slam/dynamics/motion/feature_motion.h"
@@ -27,6 +28,7 @@ struct DynamicsParts {
   std::unique_ptr<MovingSurfaces> surfaces;             ///< what moves on its own accord
   std::unique_ptr<FeatureClassifier> classifier;        ///< §3.5: static or not
   std::unique_ptr<FlowCompensation> flow_compensation;  ///< §3.3 as printed, for missed frames
+  std::unique_ptr<GivenMasks> given_masks;              ///< in place of objects and their masks
 
   /// Names of the parts that are there, in the order in which they work.
   std::vector<std::string> names() const;

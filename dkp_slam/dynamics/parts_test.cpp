@@ -19,6 +19,11 @@ Names parts_of(DynamicsMode mode) {
 
 TEST(Parts, OffHasNone) { EXPECT_EQ(parts_of(DynamicsMode::off), Names()); }
 
+TEST(Parts, MasksHasWhatTheMasksLeaveOpen) {
+  EXPECT_EQ(parts_of(DynamicsMode::masks),
+            (Names{"given masks", "flow", "ego-motion", "given mask rule"}));
+}
+
 TEST(Parts, PaperHasThoseOfTheText) {
   EXPECT_EQ(parts_of(DynamicsMode::paper),
             (Names{"object tracker", "flow", "masks by Algorithm 1", "region and epipolar rule",
@@ -50,8 +55,9 @@ TEST(Modes, AreKnownByName) {
     EXPECT_EQ(mode_named(m.name), m.mode);
     EXPECT_EQ(mode_info(m.mode).name, std::string(m.name));
     EXPECT_EQ(m.landmark_belief, m.mode != DynamicsMode::paper);
+    EXPECT_EQ(m.detector, m.mode != DynamicsMode::off && m.mode != DynamicsMode::masks);
   }
-  EXPECT_EQ(mode_names(), "{off,paper,d,dk,dkp,dkp+}");
+  EXPECT_EQ(mode_names(), "{off,masks,paper,d,dk,dkp,dkp+}");
   EXPECT_THROW(mode_named("DKP"), Error);
 }
 

@@ -4,10 +4,13 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 #include <memory>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "dkp_slam/sensor/png_format.h"
 
 namespace dkp_slam {
 namespace {
@@ -34,11 +37,29 @@ bool is_truncated_jpeg(const std::vector<std::uint8_t>& file) {
   return std::search(from, file.end(), end, end + 2) == file.end();
 }
 
+/// Why a file is no PNG of 8-bit grey values, by its first bytes; empty when it is one.
+std::string no_grey_png(const std::vector<std::uint8_t>& file) {
+  constexpr std::size_t bits_at = 24, colour_type_at = 25;  // in the header chunk, always the first
+  if (file.size() <= colour_type_at ||
+      !std::equal(std::begin(png::signature), std::end(png::signature), file.begin())) {
+    return "not a PNG file";
+  }
+  const int bits = file[bits_at], colour_type = file[colour_type_at];
+  if (bits == 8 && colour_type == png::colour_grey) return "";
+  return "not of 8-bit grey values but of " + (colour_type == png::colour_grey
+                                                   ? std::to_string(bits) + " bits"
+                                                   : std::string("colours"));
+}
+
 }  // namespace
 
 ImageRead ImageReader::read(const std::string& path, int opencv_flags) {
   if (!read_file(path, &file_)) return {{}, std::strerror(errno)};
   if (file_.empty()) return {{}, "the file is empty"};
+  return decode(opencv_flags);
+}
+
+ImageRead ImageReader::decode(int opencv_flags) {
   ImageRead result;
   switch (png_.decode(file_, &result.image, &result.problem)) {
     case PngDecoder::Status::ok:
@@ -73,6 +94,12 @@ ImageRead ImageReader::read_colour(const std::string& path) {
 
 ImageRead ImageReader::read_unchanged(const std::string& path) {
   return read(path, cv::IMREAD_UNCHANGED);
+}
+
+ImageRead ImageReader::read_grey_png(const std::string& path) {
+  if (!read_file(path, &file_)) return {{}, std::strerror(errno)};
+  if (const std::string problem = no_grey_png(file_); !problem.empty()) return {{}, problem};
+  return decode(cv::IMREAD_UNCHANGED);
 }
 
 cv::Mat depth_in_metres(const cv::Mat& raw, double units_per_metre, double min_depth,

@@ -24,9 +24,13 @@ class ImageReader {
   ImageRead read_colour(const std::string& path);
   /// As stored; of a depth image the caller checks the type.
   ImageRead read_unchanged(const std::string& path);
+  /// CV_8UC1. Only PNG files of 8-bit grey values: converted from anything else (a palette, a JPEG)
+  /// 0 would no longer mean 0.
+  ImageRead read_grey_png(const std::string& path);
 
  private:
   ImageRead read(const std::string& path, int opencv_flags);
+  ImageRead decode(int opencv_flags);
 
   PngDecoder png_;
   std::vector<std::uint8_t> file_;

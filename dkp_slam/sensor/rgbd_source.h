@@ -22,6 +22,8 @@ class RgbdSource {
   virtual std::optional<RgbdFrame> read() = 0;
   /// Frames skipped so far because an image could not be read.
   virtual std::size_t skipped() const = 0;
+  /// Frames given so far without a mask, where the source has masks.
+  virtual std::size_t without_mask() const { return 0; }
 };
 
 }  // namespace dkp_slam

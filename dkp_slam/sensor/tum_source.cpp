@@ -11,6 +11,7 @@
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/sensor/image_reader.h"
+#include "dkp_slam/sensor/mask_folder.h"
 #include "dkp_slam/sensor/tum_lists.h"
 
 namespace dkp_slam {
@@ -77,26 +78,40 @@ std::vector<ImagePair> list_pairs(const fs::path& folder, const TumOptions& opti
   return pairs;
 }
 
+std::vector<std::string> colour_files(const std::vector<ImagePair>& pairs) {
+  std::vector<std::string> files;
+  for (const ImagePair& pair : pairs) files.push_back(pair.colour);
+  return files;
+}
+
 class TumSource : public RgbdSource {
  public:
   TumSource(const std::string& folder, const Camera& camera, const TumOptions& options)
       : folder_(folder), camera_(camera), pairs_(list_pairs(folder, options)) {
+    if (!options.masks.empty()) masks_.emplace(options.masks, colour_files(pairs_));
     // The first readable frame shows wrong types and sizes before a long run begins.
     constexpr std::size_t attempts = 10;
     for (std::size_t i = 0; i < std::min(attempts, pairs_.size()); ++i) {
       std::string problem;
-      if (load(i, &problem)) break;
+      const auto frame = load(i, &problem);
+      if (!frame) continue;
+      if (masks_) masks_->check(pairs_[i].colour, frame->colour.size());
+      break;
     }
   }
 
   std::string description() const override { return folder_; }
   std::optional<std::size_t> size() const override { return pairs_.size(); }
   std::size_t skipped() const override { return skipped_; }
+  std::size_t without_mask() const override { return masks_ ? masks_->missing() : 0; }
 
   std::optional<RgbdFrame> read() override {
     while (next_ < pairs_.size()) {
       std::string problem;
-      if (auto frame = load(next_++, &problem)) return frame;
+      if (auto frame = load(next_++, &problem)) {
+        if (masks_) frame->mask = masks_->read(pairs_[next_ - 1].colour, frame->colour.size());
+        return frame;
+      }
       spdlog::warn("{}; frame {} skipped", problem, next_ - 1);
       if (++skipped_ * 2 > pairs_.size()) {
         throw Error(fmt::format("{}: {} of {} frames cannot be read; the last one: {}", folder_,
@@ -159,6 +174,7 @@ class TumSource : public RgbdSource {
   Camera camera_;
   std::vector<ImagePair> pairs_;
   ImageReader reader_;
+  std::optional<MaskFolder> masks_;
   std::size_t next_ = 0;
   std::size_t skipped_ = 0;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +19,9 @@ struct TumOptions {
   std::size_t first_frame = 0;
   /// Pairs read at most; nothing: all of them.
   std::optional<std::size_t> frame_limit;
+  /// Folder of masks (RgbdFrame::mask), each named like its colour image: STEM.png, 8-bit grey, of
+  /// the image's size. Empty: none are read.
+  std::filesystem::path masks;
 };
 
 /// Opens a folder in the format of the TUM RGB-D benchmark (the Bonn RGB-D Dynamic Dataset uses it
@@ -29,6 +33,10 @@ struct TumOptions {
 /// has a depth image, and when the first readable frame has the wrong depth type or another size
 /// than the camera. Later, `read` skips frames whose images are missing or damaged, and throws when
 /// more than half of all frames are lost or an image has the wrong type or size.
+///
+/// Masks: throws when the folder is missing or has none for any colour image, and, at once or in
+/// `read`, when one has the wrong type or size or is damaged. A colour image without one comes
+/// without one, with a warning the first time, and is counted.
 std::unique_ptr<RgbdSource> open_tum_folder(const std::string& folder, const Camera& camera,
                                             const TumOptions& options = {});
 

@@ -81,6 +81,11 @@ class TumSourceTest : public ::testing::Test {
     }
     return "no error";
   }
+  void write_mask(int i, int value) const {
+    fs::create_directories(folder_ / "mask");
+    cv::imwrite(folder_ / "mask" / (std::to_string(i) + ".png"),
+                cv::Mat(height, width, CV_8UC1, cv::Scalar(value)));
+  }
   static std::vector<int> indices(RgbdSource* source) {
     std::vector<int> result;
     while (const auto frame = source->read()) result.push_back(frame->index);
@@ -224,6 +229,23 @@ TEST_F(TumSourceTest, RefusesSizesThatDiffer) {
   Camera broken = small_camera();
   broken.fx = 0.0;
   EXPECT_THROW(open_tum_folder(folder_, broken), Error);
+}
+
+TEST_F(TumSourceTest, MasksComeWithTheirImages) {
+  TumOptions options;
+  options.masks = folder_ / "mask";
+  EXPECT_THROW(open(options), Error) << "no such folder";
+  for (const int i : {0, 1, 3}) write_mask(i, 40 + i);
+  const auto source = open(options);
+  for (int i = 0; i < 4; ++i) {
+    const auto frame = source->read();
+    ASSERT_EQ(frame->mask.empty(), i == 2);
+    if (i != 2) EXPECT_EQ(cv::norm(frame->mask, cv::Scalar(40 + i), cv::NORM_INF), 0.0);
+  }
+  EXPECT_EQ(source->without_mask(), 1U);
+  EXPECT_TRUE(open()->read()->mask.empty()) << "nobody asked for masks";
+  cv::imwrite(folder_ / "mask" / "0.png", cv::Mat(height / 2, width, CV_8UC1, cv::Scalar(0)));
+  EXPECT_THROW(open(options), Error) << "known before the run starts";
 }
 
 TEST(TumSource, ReadsRealSequencesAsOpenCvDoes) {

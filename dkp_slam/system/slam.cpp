@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/stopwatch.h"
 #include "dkp_slam/system/engine.h"
@@ -26,9 +27,24 @@ std::string size_text(const cv::Mat& image) {
   return fmt::format("{} x {}", image.cols, image.rows);
 }
 
+std::string problem_of_mask(const RgbdFrame& frame, const SlamConfig& config) {
+  if (frame.mask.empty()) return "";
+  if (config.dynamics.mode != DynamicsMode::masks) {
+    return fmt::format("it has a mask, which mode {} does not use; set mode masks",
+                       mode_info(config.dynamics.mode).name);
+  }
+  if (frame.mask.type() != CV_8UC1) return "its mask is not of one channel of 8 bits";
+  if (frame.mask.size() != frame.colour.size()) {
+    return fmt::format("its mask is {} pixels, its colour image {}", size_text(frame.mask),
+                       size_text(frame.colour));
+  }
+  return "";
+}
+
 /// What is wrong with a frame; empty when nothing is.
-std::string problem_of(const RgbdFrame& frame, const Camera& camera,
+std::string problem_of(const RgbdFrame& frame, const SlamConfig& config,
                        const std::optional<double>& last_timestamp) {
+  const Camera& camera = config.camera;
   const cv::Mat& colour = frame.colour;
   const cv::Mat& depth = frame.depth;
   if (colour.type() != CV_8UC3) return "its colour image is not of 3 channels of 8 bits (BGR)";
@@ -42,6 +58,7 @@ std::string problem_of(const RgbdFrame& frame, const Camera& camera,
         "its depth image is {} pixels, its colour image {}; register depth to colour",
         size_text(depth), size_text(colour));
   }
+  if (const std::string problem = problem_of_mask(frame, config); !problem.empty()) return problem;
   if (!std::isfinite(frame.timestamp)) return "its time stamp is no number";
   if (last_timestamp && frame.timestamp <= *last_timestamp) {
     return fmt::format("its time stamp {:.6f} is not after the last frame's {:.6f}",
@@ -52,7 +69,7 @@ std::string problem_of(const RgbdFrame& frame, const Camera& camera,
 
 /// Pixels that belong to somebody else may be gone when a thread comes to them.
 void own_pixels(cv::Mat& image) {
-  if (!image.u) image = image.clone();
+  if (!image.empty() && !image.u) image = image.clone();
 }
 
 }  // namespace
@@ -210,10 +227,11 @@ void Slam::add_observer(std::shared_ptr<SlamObserver> observer, const ObserverOp
 void Slam::feed(RgbdFrame frame) {
   State& s = *state_;
   if (s.finished) throw Error("Slam: no frame can be fed after finish()");
-  const std::string problem = problem_of(frame, s.config.camera, s.last_timestamp);
+  const std::string problem = problem_of(frame, s.config, s.last_timestamp);
   if (!problem.empty()) throw Error(fmt::format("frame {}: {}", frame.index, problem));
   own_pixels(frame.colour);
   own_pixels(frame.depth);
+  own_pixels(frame.mask);
   frame.index = std::max(frame.index, s.last_index + 1);
   s.last_index = frame.index;
   s.last_timestamp = frame.timestamp;

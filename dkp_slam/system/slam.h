@@ -59,10 +59,12 @@ class Slam {
   void add_observer(std::shared_ptr<SlamObserver> observer, const ObserverOptions& options = {});
 
   /// Takes a frame: colour CV_8UC3 (BGR) and depth CV_32FC1 (metres, 0 unknown) of the camera's
-  /// size. The images must not be written to afterwards; pixels that are not cv::Mat's own are
-  /// copied. An index that does not count on from the last frame's is replaced by one that does.
-  /// Throws `Error` for a frame of the wrong type or size or whose time stamp is not after the last
-  /// one's, which then changes nothing; after `finish`; and where the system itself has failed.
+  /// size; in mode masks also somebody's segmentation of that size (RgbdFrame::mask), which no
+  /// detector then replaces. The images must not be written to afterwards; pixels that are not
+  /// cv::Mat's own are copied. An index that does not count on from the last frame's is replaced by
+  /// one that does. Throws `Error` for a frame of the wrong type or size or whose time stamp is not
+  /// after the last one's, which then changes nothing; after `finish`; and where the system itself
+  /// has failed.
   void feed(RgbdFrame frame);
   /// The next result, in the frames' order; nothing when there is none yet. Results that nobody
   /// asks for are kept for ten minutes of a 30 Hz camera. Throws what ended the system early, after

@@ -110,6 +110,38 @@ TEST(Door, RefusesWhatIsNoFrameAndGoesOn) {
   EXPECT_THROW(slam.feed(noise_frame(2)), Error);
 }
 
+TEST(Door, TakesAMaskWithTheImageInModeMasksAlone) {
+  const auto refused = [](Slam& slam, const cv::Mat& mask, const char* why) {
+    RgbdFrame frame = noise_frame(0);
+    frame.mask = mask;
+    EXPECT_THAT([&] { slam.feed(frame); }, ThrowsMessage<Error>(HasSubstr(why)));
+  };
+  const cv::Mat mask = cv::Mat::zeros(120, 160, CV_8UC1);
+  Slam off(noise_config());
+  refused(off, mask, "frame 0: it has a mask, which mode off does not use; set mode masks");
+  SlamConfig config = noise_config();
+  config.dynamics.mode = DynamicsMode::masks;
+  Slam slam(config);
+  refused(slam, cv::Mat::zeros(60, 80, CV_8UC1),
+          "its mask is 80 x 60 pixels, its colour image 160");
+  refused(slam, cv::Mat::zeros(120, 160, CV_32SC1), "its mask is not of one channel of 8 bits");
+  // Half of the view moves; the driver's buffer is used again at once. Then nobody says anything,
+  // and the mask is carried on.
+  std::vector<uchar> buffer(mask.total(), 0);
+  cv::Mat borrowed(mask.size(), CV_8UC1, buffer.data());
+  borrowed.colRange(0, 80) = 1;
+  RgbdFrame frame = noise_frame(0);
+  frame.mask = borrowed;
+  slam.feed(frame);
+  std::fill(buffer.begin(), buffer.end(), uchar{0});
+  slam.feed(noise_frame(1));
+  for (int i = 0; i < 2; ++i) {
+    const auto result = slam.wait();
+    EXPECT_GT(result->removed_features, 0);
+    EXPECT_LT(result->removed_features, result->features);
+  }
+}
+
 TEST(Door, CountsFramesThatHaveNoIndex) {
   Slam slam(noise_config());
   for (int i = 0; i < 4; ++i) {

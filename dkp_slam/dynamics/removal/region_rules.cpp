@@ -29,4 +29,12 @@ void MaskRule::classify(const RemovalInput& input, std::vector<FeatureDynamics>&
   }
 }
 
+void GivenMaskRule::classify(const RemovalInput& input,
+                             std::vector<FeatureDynamics>& features) const {
+  const cv::Mat masks = masks_and_outlines(input.labels, margin_);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    features[i].is_static = label_at(masks, input.points[i]) == 0;
+  }
+}
+
 }  // namespace dkp_slam

@@ -26,4 +26,15 @@ class MaskRule : public FeatureClassifier {
   void classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const override;
 };
 
+/// Removes what lies in a mask that was given with the image, or within `margin` pixels of one.
+class GivenMaskRule : public FeatureClassifier {
+ public:
+  explicit GivenMaskRule(int margin) : margin_(margin) {}
+  std::string name() const override { return "given mask rule"; }
+  void classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const override;
+
+ private:
+  int margin_;
+};
+
 }  // namespace dkp_slam

@@ -13,6 +13,13 @@ int label_at(const cv::Mat& labels, const cv::Point2f& p) {
   return labels.at<std::uint8_t>(y, x);
 }
 
+cv::Mat masks_and_outlines(const cv::Mat& labels, int margin) {
+  cv::Mat masks = labels > 0;
+  const int side = 2 * margin + 1;
+  cv::dilate(masks, masks, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+  return masks;
+}
+
 float object_weight(float class_weight, const RegionOptions& options) {
   const float share = std::clamp((class_weight - 1.0F) / 9.0F, 0.0F, 1.0F);
   return options.weight_low + (options.weight_high - options.weight_low) * share;

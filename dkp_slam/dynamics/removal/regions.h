@@ -41,6 +41,10 @@ struct ObjectRegions {
 /// Label (CV_8UC1) at a raw pixel, which may lie just outside the image.
 int label_at(const cv::Mat& labels, const cv::Point2f& pixel);
 
+/// CV_8UC1, 255 in every mask and within `margin` pixels (rows, columns) of one. `labels` is
+/// CV_8UC1.
+cv::Mat masks_and_outlines(const cv::Mat& labels, int margin);
+
 /// Region of every keypoint (raw pixels). `labels` is CV_8UC1, image size: 0 outside the masks,
 /// i + 1 in the mask of objects[i].
 void assign_regions(const std::vector<cv::Point2f>& keypoints,

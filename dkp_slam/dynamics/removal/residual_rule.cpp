@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include <opencv2/imgproc.hpp>
-
 #include "dkp_slam/dynamics/removal/region_rules.h"
 
 namespace dkp_slam {
@@ -21,11 +19,8 @@ bool ResidualRule::is_static(const FeatureDynamics& f, const Evidence& e) const 
 void ResidualRule::classify(const RemovalInput& input,
                             std::vector<FeatureDynamics>& features) const {
   const std::vector<std::uint8_t> self_moving = on_self_moving(input);
-  cv::Mat outline = input.labels > 0;
-  const int side = 2 * options_.mask_margin + 1;
-  if (!input.objects.empty()) {
-    cv::dilate(outline, outline, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
-  }
+  const cv::Mat outline =
+      input.objects.empty() ? input.labels : masks_and_outlines(input.labels, options_.mask_margin);
   for (std::size_t i = 0; i < features.size(); ++i) {
     const Evidence evidence{self_moving[i] != 0, label_at(outline, input.points[i]) != 0,
                             input.motion.long_residual[i]};

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/evaluation/measure/sequence_name.h"
 #include "dkp_slam/evaluation/statistics.h"
 
@@ -94,7 +95,8 @@ std::string RecordSet::label(const BenchConfig& config) const {
     if (!other.model.empty()) models.insert(other.model);
   }
   if (config.detector == "none") {
-    return config.mode == "off" ? config.mode : config.mode + ", no detector";
+    const bool uses_one = mode_info(mode_named(config.mode)).detector;
+    return uses_one ? config.mode + ", no detector" : config.mode;
   }
   const bool several = models.size() > 1 && !config.model.empty();
   return config.mode + ", " + config.detector + (several ? " " + config.model : "");
@@ -102,8 +104,9 @@ std::string RecordSet::label(const BenchConfig& config) const {
 
 Colour RecordSet::colour(const BenchConfig& config) const {
   static const std::map<std::string, Colour> colours{
-      {"off", {222, 92, 56}}, {"paper", {120, 120, 120}}, {"d", {214, 158, 30}},
-      {"dk", {92, 156, 68}},  {"dkp", {136, 86, 190}},    {"dkp+", {31, 110, 190}}};
+      {"off", {222, 92, 56}},  {"masks", {0, 150, 136}}, {"paper", {120, 120, 120}},
+      {"d", {214, 158, 30}},   {"dk", {92, 156, 68}},    {"dkp", {136, 86, 190}},
+      {"dkp+", {31, 110, 190}}};
   std::size_t step = 0;
   for (const BenchConfig& other : configs_) {
     if (other == config) break;
