@@ -69,7 +69,7 @@ TEST_F(RunMasks, TakeThePlaceOfADetector) {
   EXPECT_EQ(json.at("detector"), "none");
   EXPECT_EQ(json.at("localised_frames"), frame_count);
   EXPECT_EQ(json.at("frames_without_mask"), 0);
-  EXPECT_LT(json.at("ate").at("rmse_m"), 0.002);
+  EXPECT_LT(json.at("ate").at("rmse_m"), 0.005);  // by half of a plane
   const double removed = json.at("features_removed"), features = json.at("features");
   EXPECT_NEAR(removed / features, 0.5, 0.1);
   // In the picture the left half is red.

@@ -7,10 +7,10 @@ class OptionList;
 struct RemovalOptions {
   /// eps of Algorithm 2, pixels: static when D * W is below it (region rule).
   float epsilon = 1.0F;
-  /// Features this near to a mask go with it, pixels (residual rule, as all below): corners on an
+  /// Features this near to a mask go with it, pixels (residual and given mask rules): corners on an
   /// outline move with the person, and depth is that ragged there.
   int mask_margin = 2;
-  /// Largest motion residual of a static point, pixels: LK's noise and the depth's.
+  /// Largest motion residual of a static point, pixels (residual rule): LK's noise and the depth's.
   float residual_low = 2.0F;         ///< outside boxes
   float residual_suspicious = 1.5F;  ///< in a box, outside its mask
   float residual_object = 1.0F;      ///< on things of middle weight
