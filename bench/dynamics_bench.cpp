@@ -124,6 +124,11 @@ void run(const BenchOptions& bench) {
     raw.convertTo(frame.depth, CV_32F, 1.0 / camera.depth_scale);
     frame.depth.setTo(0.0F, frame.depth < camera.min_depth);
     frame.depth.setTo(0.0F, frame.depth > camera.max_depth);
+    const auto mask_path = folder / "mask" / std::filesystem::path(e.colour).filename();
+    const cv::Mat truth = std::filesystem::exists(mask_path)
+                              ? cv::imread(mask_path.string(), cv::IMREAD_GRAYSCALE)
+                              : cv::Mat();
+    if (options.mode == DynamicsMode::masks) frame.mask = truth;
     cv::Mat grey;
     cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
     const auto keypoints = orb.extract(grey).keypoints;
@@ -146,10 +151,6 @@ void run(const BenchOptions& bench) {
       kept.push_back(result.features[k].is_static);
       totals.kept += kept.back() ? 1 : 0;
     }
-    const auto mask_path = folder / "mask" / std::filesystem::path(e.colour).filename();
-    const cv::Mat truth = std::filesystem::exists(mask_path)
-                              ? cv::imread(mask_path.string(), cv::IMREAD_GRAYSCALE)
-                              : cv::Mat();
     FeatureCounts counts;
     double iou = -1.0;
     if (!truth.empty()) {
