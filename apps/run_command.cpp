@@ -12,7 +12,8 @@
 #include "apps/camera_choice.h"
 #include "apps/commands.h"
 #include "apps/config_options.h"
-#include "apps/observer_failure.h"
+#include "apps/file_observer.h"
+#include "apps/live_path.h"
 #include "apps/progress.h"
 #include "apps/run_map.h"
 #include "apps/run_options.h"
@@ -86,17 +87,15 @@ nlohmann::ordered_json describe(const RunOptions& options, const SlamConfig& con
 }
 
 /// Keeps detections.txt: what the detector said of each frame.
-class DetectionLog : public SlamObserver {
+class DetectionLog : public FileObserver {
  public:
   explicit DetectionLog(RunLog& log) : log_(log) {}
   void on_frame(const std::shared_ptr<const FrameSnapshot>& snapshot) override {
-    failure_.guard([&] { log_.add(snapshot->frame.timestamp, snapshot->detections.detections); });
+    guard([&] { log_.add(snapshot->frame.timestamp, snapshot->detections.detections); });
   }
-  void rethrow_failure() const { failure_.rethrow(); }
 
  private:
   RunLog& log_;
-  ObserverFailure failure_;
 };
 
 /// Everything of a run that is told what happens.
@@ -104,11 +103,13 @@ struct RunObservers {
   std::shared_ptr<RunMap> map;
   std::shared_ptr<DetectionLog> detections;
   std::shared_ptr<OverlayWriter> overlay;  // null without pictures
+  std::shared_ptr<LivePath> path;
 
   void join(Slam& slam, bool with_map) const {
     const ObserverOptions every{Delivery::every};
     slam.add_observer(detections, every);
     if (overlay) slam.add_observer(overlay, every);
+    slam.add_observer(path, {Delivery::newest});
     if (with_map) slam.add_observer(map, {.map = true});
   }
   void rethrow_failure() const {
@@ -206,6 +207,7 @@ void run(RunOptions options) {
 
   RunLog log(options.out);
   observers.detections = std::make_shared<DetectionLog>(log);
+  observers.path = std::make_shared<LivePath>(options.out);
   RunResult result;
   result.options = describe(options, config);
   result.config = config_json(config);
@@ -238,6 +240,7 @@ void run(RunOptions options) {
   result.absolute_error = error_against_truth(options.sequence, result.trajectory);
   result.medians = log.medians();
   save_run(result, log, options.out);
+  observers.path->remove();
   std::fputs(summary_text(result, options.out).c_str(), stdout);
   std::fflush(stdout);
   if (const std::string problem = verdict(result.totals); !problem.empty()) {

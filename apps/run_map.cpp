@@ -36,11 +36,11 @@ bool RunMap::begin(const SlamConfig& config) {
 }
 
 void RunMap::on_map(const MapChange& change) {
-  failure_.guard([&] { writer_->write(change); });
+  guard([&] { writer_->write(change); });
 }
 
 void RunMap::finish() {
-  failure_.rethrow();
+  rethrow_failure();
   if (writer_) writer_->finish();
 }
 

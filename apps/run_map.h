@@ -4,16 +4,15 @@
 #include <memory>
 #include <optional>
 
-#include "apps/observer_failure.h"
+#include "apps/file_observer.h"
 #include "dkp_slam/map_file/map_file.h"
 #include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/system/config.h"
-#include "dkp_slam/system/observer.h"
 
 namespace dkp_slam::apps {
 
 /// The map file of a run, if there is one.
-class RunMap : public SlamObserver {
+class RunMap : public FileObserver {
  public:
   /// Reads what there is to start from; leaves everything as it is. At most one of the two names.
   /// Throws `Error` where the file cannot be used.
@@ -26,17 +25,14 @@ class RunMap : public SlamObserver {
   /// the map as this observer is told. Throws `Error` when it cannot be written.
   bool begin(const SlamConfig& config);
   void on_map(const MapChange& change) override;
-  /// Throws `Error` when something could not be written; the file then holds what was committed
-  /// before.
-  void rethrow_failure() const { failure_.rethrow(); }
-  /// After the run: everything is in the file itself. Throws as `rethrow_failure`.
+  /// After the run: everything is in the file itself. Throws `Error` when something could not be
+  /// written, now or before; the file then holds what was committed before.
   void finish();
 
  private:
   const std::filesystem::path file_;  // to keep up to date; empty for none
   std::optional<StoredMap> stored_;
   std::unique_ptr<MapWriter> writer_;  // the observer's thread's, between `begin` and `finish`
-  ObserverFailure failure_;
 };
 
 }  // namespace dkp_slam::apps

@@ -43,7 +43,7 @@ OverlayWriter::OverlayWriter(const fs::path& out, int every)
 
 void OverlayWriter::on_frame(const std::shared_ptr<const FrameSnapshot>& snapshot) {
   if (snapshot->frame.index % every_ != 0) return;
-  failure_.guard([&] {
+  guard([&] {
     std::vector<unsigned char> png;
     cv::imencode(".png", draw_overlay(snapshot->frame, snapshot->keypoints, snapshot->dynamics),
                  png);

@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -140,19 +139,23 @@ Trajectory read_trajectory(const fs::path& path) {
   return in_order(std::move(poses), path);
 }
 
+std::string trajectory_line(const StampedPose& pose) {
+  const Eigen::Vector3d& t = pose.world_from_camera.translation;
+  Eigen::Quaterniond q = pose.world_from_camera.rotation.normalized();
+  if (!std::isfinite(pose.timestamp) || !t.allFinite() || !q.coeffs().allFinite()) {
+    throw Error(fmt::format("the pose at {:.6f} s is not finite; leave it out", pose.timestamp));
+  }
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+  return fmt::format("{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n", pose.timestamp,
+                     t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+}
+
 void write_trajectory(const fs::path& path, std::span<const StampedPose> poses) {
   std::string text = "# timestamp tx ty tz qx qy qz qw\n";
-  for (const StampedPose& pose : poses) {
-    const Eigen::Vector3d& t = pose.world_from_camera.translation;
-    Eigen::Quaterniond q = pose.world_from_camera.rotation.normalized();
-    if (!std::isfinite(pose.timestamp) || !t.allFinite() || !q.coeffs().allFinite()) {
-      throw Error(fmt::format("cannot write {}: the pose at {:.6f} s is not finite; leave it out",
-                              path.string(), pose.timestamp));
-    }
-    if (q.w() < 0.0) q.coeffs() = -q.coeffs();
-    fmt::format_to(std::back_inserter(text),
-                   "{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n", pose.timestamp,
-                   t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  try {
+    for (const StampedPose& pose : poses) text += trajectory_line(pose);
+  } catch (const Error& error) {
+    throw Error(fmt::format("cannot write {}: {}", path.string(), error.what()));
   }
   write_file_atomically(path, text);
 }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 
 #include "dkp_slam/geometry/stamped_pose.h"
 
@@ -15,9 +16,13 @@ namespace dkp_slam {
 /// number, NaN or infinite, a quaternion of zeros, no pose at all.
 Trajectory read_trajectory(const std::filesystem::path& path);
 
-/// Writes the same format, atomically: microseconds, 7 digits of translation, 9 of rotation, qw not
-/// negative, so that the same poses give the same bytes. Throws `Error` when the file cannot be
-/// written or a pose is not finite; an earlier file is then still there.
+/// A line of the same format, with its end: microseconds, 7 digits of translation, 9 of rotation,
+/// qw not negative, so that the same pose gives the same bytes. Throws `Error` when it is not
+/// finite.
+std::string trajectory_line(const StampedPose& pose);
+
+/// Writes a file of such lines, atomically. Throws `Error` when the file cannot be written or a
+/// pose is not finite; an earlier file is then still there.
 void write_trajectory(const std::filesystem::path& path, std::span<const StampedPose> poses);
 
 }  // namespace dkp_slam
