@@ -35,10 +35,16 @@ function(dkp_slam_library name)
   endif()
 endfunction()
 
-# dkp_slam_test(NAME [AT_ONCE] source...): one test program per folder, its cases known to ctest one
-# by one, or all AT_ONCE where they share what takes long to make. Tests may include anything.
+# dkp_slam_test(NAME [AT_ONCE] [RECORDINGS] [COST seconds] source...): one test program per folder,
+# its cases known to ctest one by one, or all AT_ONCE where they share what takes long to make. With
+# RECORDINGS they may play rendered sequences (tests/support/recording.h). COST: about how long one
+# of them takes where that is seconds; ctest begins with the longest, so that no core waits for them
+# at the end. Tests may include anything.
 function(dkp_slam_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "AT_ONCE" "" "")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "AT_ONCE;RECORDINGS" "COST" "")
+  if(NOT arg_COST)
+    set(arg_COST 0)
+  endif()
   if(NOT DKP_SLAM_TESTS)
     return()
   endif()
@@ -47,10 +53,14 @@ function(dkp_slam_test name)
   target_link_libraries(${name} PRIVATE dkp_slam_everything GTest::gtest GTest::gmock_main
                         opencv_imgcodecs opencv_calib3d opencv_video nlohmann_json::nlohmann_json
                         spdlog::spdlog)
+  if(arg_RECORDINGS)
+    target_link_libraries(${name} PRIVATE dkp_slam_recordings)
+    add_dependencies(${name} dkp_slam_recording)
+  endif()
   if(arg_AT_ONCE)
     add_test(NAME ${name} COMMAND ${name})
-    set_tests_properties(${name} PROPERTIES TIMEOUT 900)
+    set_tests_properties(${name} PROPERTIES TIMEOUT 900 COST ${arg_COST})
   else()
-    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 COST ${arg_COST})
   endif()
 endfunction()

@@ -124,11 +124,11 @@ Outcome run(const SplicedSource::Opener& open, const std::vector<Segment>& segme
   return outcome;
 }
 
-/// A static room, rendered once for all tests.
+/// A static room.
 class SyntheticRelocalisation : public ::testing::Test {
  protected:
   static Outcome play(const std::vector<Segment>& segments) {
-    static const testing::Recording room("static_room", 60);
+    static const testing::Recording room("static_room", 80);  // as long as slam_test.cpp needs it
     return run([](int first) { return room.play(static_cast<std::size_t>(first)); }, segments,
                room.camera, room.truth);
   }

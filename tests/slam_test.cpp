@@ -103,7 +103,7 @@ TEST(SyntheticSlam, StaticRoom) {
 }
 
 TEST(SyntheticSlam, WalkingPeopleWithTrueDetectionsInEveryMode) {
-  const Recording room("walking_xyz", 45, 90);  // somebody walks up to the camera
+  const Recording room("walking_xyz", 48, 85);  // somebody walks up to the camera
   for (const DynamicsMode mode :
        {DynamicsMode::d, DynamicsMode::dk, DynamicsMode::dkp, DynamicsMode::dkp_plus}) {
     SCOPED_TRACE(static_cast<int>(mode));
@@ -124,13 +124,13 @@ TEST(SyntheticSlam, GoesOnWithoutADetectorThatFails) {
       return TrueDetector::detect(frame);
     }
   };
-  const Recording room("walking_xyz", 30);
+  const Recording room("walking_xyz", 40);
   const Outcome outcome = run(room.play(), std::make_unique<FailingDetector>(room.truths),
                               room.camera, DynamicsMode::dkp_plus);
   EXPECT_EQ(outcome.detector_failures, 1);
   EXPECT_EQ(outcome.lost(), std::vector<int>());
   EXPECT_GT(outcome.frames[11].detections, 0);
-  for (std::size_t i = 12; i < 30; ++i) EXPECT_EQ(outcome.frames[i].detections, 0);
+  for (std::size_t i = 12; i < 40; ++i) EXPECT_EQ(outcome.frames[i].detections, 0);
   EXPECT_LT(room.error(outcome.path), 0.015);
 }
 

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "dkp_slam/evaluation/absolute_error.h"
@@ -38,35 +39,33 @@ inline Camera smaller(const Camera& camera, int divisor) {
 /// A synthetic scenario with all that is true of it. Rendered once, to be played often.
 struct Recording {
   std::vector<RgbdFrame> frames;
-  std::vector<SyntheticTruth> truths;  ///< of each frame
+  std::vector<SyntheticTruth> truths;  ///< of each frame, but for the exact depth
   Trajectory truth;
   Camera camera;
 
   /// `divisor`: 1 for 640 x 480 pixels, 2 for half the width, which is rendered in a third of the
-  /// time.
+  /// time. All test programs share what was rendered before by this build, see recording_child.cpp;
+  /// a part counted from the same first frame, too. Throws `Error` where nothing can be rendered.
   Recording(const std::string& scenario, std::size_t length, std::size_t first_frame = 0,
-            int divisor = 1)
-      : Recording(scenario, smaller(SyntheticOptions::default_camera(), divisor), length,
-                  first_frame) {}
-  /// Frames are counted at that camera's rate.
+            int divisor = 1);
+  /// Rendered here, as the camera is nobody else's. Frames are counted at its rate.
   Recording(const std::string& scenario, const Camera& seen_by, std::size_t length,
-            std::size_t first_frame) {
-    SyntheticOptions options = synthetic_scenario(scenario);
-    options.frames = length;
-    options.first_frame = first_frame;
-    camera = options.camera = seen_by;
-    SyntheticSource world(options);
-    while (auto frame = world.read()) {
-      truth.push_back({frame->timestamp, world.truth().world_from_camera});
-      truths.push_back(world.truth());
-      frames.push_back(std::move(*frame));
-    }
-  }
+            std::size_t first_frame);
+
   std::unique_ptr<RgbdSource> play(std::size_t first = 0) const {
     return std::make_unique<RecordedSource>(frames, first);
   }
   /// Of a path against the true one, RMSE in metres.
   double error(const Trajectory& path) const { return absolute_error(truth, path).statistics.rmse; }
+
+  /// Writes everything but the camera, whole or not at all. Throws `Error`.
+  void save(const std::filesystem::path& file) const;
+  /// How many frames such a file holds; 0 where there is none.
+  static std::size_t length_of(const std::filesystem::path& file);
+
+ private:
+  /// The first frames of a file of `save`. Throws `Error` where it holds fewer.
+  void load(const std::filesystem::path& file, std::size_t length);
 };
 
 }  // namespace dkp_slam::testing
