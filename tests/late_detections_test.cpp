@@ -19,7 +19,7 @@ using testing::PreparedRecording;
 
 // Half the width, which is rendered in a third of the time. People walk about before the camera.
 constexpr int divisor = 2;
-constexpr std::size_t first_frame = 60, frames = 200;
+constexpr std::size_t first_frame = 60, frames = 150;
 
 const PreparedRecording& walking_xyz() {
   static const PreparedRecording world("walking_xyz", frames, first_frame, divisor);
