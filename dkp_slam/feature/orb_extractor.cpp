@@ -96,14 +96,19 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
 
 OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
   CV_Assert(grey.type() == CV_8UC1);
-  std::vector<cv::Size> sizes{grey.size()};
+  cv::Mat ground = grey;
+  const double enlargement = options_.enlargement;
+  if (enlargement > 1.0) {
+    cv::resize(grey, ground, {}, enlargement, enlargement, cv::INTER_LINEAR);
+  }
+  std::vector<cv::Size> sizes{ground.size()};
   for (int level = 1; level < options_.levels; ++level) {
     const float scale = scales_[static_cast<std::size_t>(level)];
-    const cv::Size size(cvRound(grey.cols / scale), cvRound(grey.rows / scale));
+    const cv::Size size(cvRound(ground.cols / scale), cvRound(ground.rows / scale));
     if (size.width <= 2 * border || size.height <= 2 * border) break;
     sizes.push_back(size);
   }
-  Pyramid pyramid(grey, std::move(sizes));
+  Pyramid pyramid(ground, std::move(sizes));
   // Levels have nothing to do with each other: whoever waits for a frame gets it sooner.
   std::vector<OrbFeatures> of_level(static_cast<std::size_t>(pyramid.levels()));
   cv::parallel_for_(cv::Range(0, pyramid.levels()), [&](const cv::Range& range) {
@@ -115,6 +120,15 @@ OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
   for (const OrbFeatures& f : of_level) {
     out.keypoints.insert(out.keypoints.end(), f.keypoints.begin(), f.keypoints.end());
     out.descriptors.insert(out.descriptors.end(), f.descriptors.begin(), f.descriptors.end());
+  }
+  if (enlargement > 1.0) {
+    const auto shrink = static_cast<float>(1.0 / enlargement);
+    // Pixel centres have whole coordinates, so that both images begin at -0.5.
+    const cv::Point2f corner(0.5F, 0.5F);
+    for (cv::KeyPoint& k : out.keypoints) {
+      k.pt = shrink * (k.pt + corner) - corner;
+      k.size *= shrink;
+    }
   }
   return out;
 }

@@ -12,9 +12,12 @@ namespace dkp_slam {
 class OptionList;
 
 struct OrbOptions {
-  int features = 1000;         ///< per image, as ORB-SLAM3's RGB-D settings for the TUM sequences
-  int levels = 8;              ///< of the image pyramid
-  float scale = 1.2F;          ///< between two levels
+  int features = 1000;  ///< per image, as ORB-SLAM3's RGB-D settings for the TUM sequences
+  int levels = 8;       ///< of the image pyramid
+  float scale = 1.2F;   ///< between two levels
+  /// Side length to which images are enlarged before corners are sought: corners are found to a
+  /// pixel, so that those of a small image have coarse directions. Level 0 is the enlarged image.
+  double enlargement = 1.0;
   int fast_threshold = 20;     ///< grey levels
   int fast_low_threshold = 7;  ///< where a cell shows no corner at the first
 
@@ -41,7 +44,7 @@ class OrbExtractor {
   OrbFeatures extract(const cv::Mat& grey) const;
 
   const OrbOptions& options() const { return options_; }
-  /// Side length of a pixel of a level in pixels of the full image.
+  /// Side length of a pixel of a level in pixels of level 0.
   float scale_of(int level) const { return scales_[static_cast<std::size_t>(level)]; }
 
  private:

@@ -112,9 +112,8 @@ double FeatureMotionEstimator::residual_at(const cv::Mat& depth, const cv::Point
                                            const cv::Point2f& now, const cv::Point2f& then,
                                            const cv::Point2f& flow,
                                            const Se3& then_from_now) const {
-  constexpr double least = 2.0;  // pixels: depth images are that ragged at edges
-  const double reach =
-      std::clamp(options_.depth_lag * std::hypot(flow.x, flow.y), least, options_.max_lag_pixels);
+  const double reach = std::clamp(options_.depth_lag * std::hypot(flow.x, flow.y),
+                                  options_.min_lag_pixels, options_.max_lag_pixels);
   auto [near, far] = depths_around(depth, raw, static_cast<float>(reach));
   if (near <= 0.0) {
     near = camera_.min_depth;

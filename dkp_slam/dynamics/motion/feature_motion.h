@@ -25,6 +25,7 @@ struct FeatureMotionOptions {
   /// a freiburg1 camera): where there is an edge within that much of the flow, depth may be of
   /// either side.
   double depth_lag = 0.6;
+  double min_lag_pixels = 2.0;  ///< and at least this near: depth images are that ragged at edges
   double max_lag_pixels = 8.0;  ///< and no farther than this, or everything has two depths
   int min_low_points = 30;      ///< fewer outside the boxes: all points give the ego-motion
   /// Features outside boxes from which the ego-motion is measured; with fewer, what lies on the

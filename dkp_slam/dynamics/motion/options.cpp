@@ -36,12 +36,15 @@ void FeatureMotionOptions::describe(OptionList& list) {
            "over which slow motion is told from noise");
   list.add("depth_lag", depth_lag, between(0, 1), "",
            "share of a frame interval that colour and depth are apart at most");
+  list.add("min_lag_pixels", min_lag_pixels, at_least(0), "pixels",
+           "that an edge in depth is looked for at least");
   list.add("max_lag_pixels", max_lag_pixels, at_least(0), "pixels",
            "that an edge in depth is looked for at most");
   list.add("min_low_points", min_low_points, at_least(0), "",
            "outside the boxes; with fewer all points give the camera's motion");
   list.add("enough_outside", enough_outside, at_least(0), "",
            "features outside the boxes; with fewer those on static planes help");
+  list.order("min_lag_pixels", "max_lag_pixels");
 }
 
 void FeatureMotionOptions::check() const { check_options(*this); }
