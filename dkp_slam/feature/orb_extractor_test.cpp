@@ -55,6 +55,32 @@ TEST(OrbExtractor, FollowsAShiftAndARightAngle) {
   EXPECT_GT(right, 0.95 * close);
 }
 
+TEST(OrbExtractor, CornersOfAnEnlargedImageLieWhereTheyAre) {
+  const cv::Mat image = texture(5);
+  cv::Mat small;
+  cv::resize(image, small, {320, 240}, 0, 0, cv::INTER_AREA);
+  OrbOptions doubled;
+  doubled.enlargement = 2.0;
+  const OrbFeatures a = OrbExtractor().extract(image), b = OrbExtractor(doubled).extract(small);
+  int close = 0, right = 0;
+  cv::Point2f off;
+  for (std::size_t i = 0; i < a.keypoints.size(); ++i) {
+    const NearestTwo match = nearest_two(a.descriptors[i], b.descriptors);
+    if (match.best_distance > 40) continue;
+    ++close;
+    const cv::Point2f p = a.keypoints[i].pt;
+    const cv::Point2f d =
+        b.keypoints[match.best].pt - cv::Point2f(0.5F * p.x - 0.25F, 0.5F * p.y - 0.25F);
+    if (cv::norm(d) > 1.0) continue;
+    ++right;
+    off += d;
+  }
+  EXPECT_GT(close, 300);
+  EXPECT_GT(right, 0.95 * close);
+  // No shift between the two: less than a tenth of a pixel of the small image.
+  EXPECT_LT(cv::norm(off) / right, 0.1);
+}
+
 TEST(OrbExtractor, SameImageSameFeatures) {
   OrbExtractor one, two;
   const OrbFeatures a = one.extract(texture(4)), b = two.extract(texture(4));
