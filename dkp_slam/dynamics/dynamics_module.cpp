@@ -54,7 +54,11 @@ struct DynamicsModule::State {
 /// Flow of the features, and the objects carried along with it into this frame.
 void DynamicsModule::State::track(const cv::Mat& grey, const DetectionResult& answer, Work& work) {
   const double time = work.frame.timestamp;
-  work.motion = parts.motion->track(grey, work.frame.depth, work.points, time);
+  std::vector<cv::Rect2f> hidden = parts.objects->self_moving_boxes();  // of the frame before
+  for (const Detection& d : answer.detections) {
+    if (d.weight >= options.compensation.self_moving_weight) hidden.push_back(d.box);
+  }
+  work.motion = parts.motion->track(grey, work.frame.depth, work.points, hidden, time);
   work.view = make_depth_view(work.frame.depth, rays);
   history.add(time, work.view, work.points, work.motion.tracks);
   parts.objects->update(time, size, answer,
@@ -140,7 +144,7 @@ void DynamicsModule::State::classify(Work& work, FrameDynamics& result) {
 void DynamicsModule::State::follow_given_masks(const cv::Mat& grey, Work& work,
                                                FrameDynamics& result) {
   const RgbdFrame& frame = work.frame;
-  work.motion = parts.motion->track(grey, frame.depth, work.points, frame.timestamp);
+  work.motion = parts.motion->track(grey, frame.depth, work.points, {}, frame.timestamp);
   work.labels = parts.given_masks->labels(frame, work.points, work.motion.tracks);
   result.mask = work.labels > 0;
   classify(work, result);

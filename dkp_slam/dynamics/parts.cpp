@@ -12,6 +12,7 @@ namespace {
 /// The paper's own choices where the options are ours.
 DynamicsOptions as_printed(DynamicsOptions options) {
   options.compensation.compensate = false;  // the box is not carried
+  options.motion.coarse_rotation = false;
   options.clustering.mode = ClusteringMode::paper;
   options.epipolar.min_low_matches = std::numeric_limits<int>::max();  // F from all matches
   options.regions.printed_equation = true;

@@ -35,9 +35,7 @@ void scale_pixels(double pixels, DynamicsOptions& dynamics) {
     threshold = static_cast<std::remove_reference_t<decltype(threshold)>>(noise * threshold);
   };
   RemovalOptions& removal = dynamics.removal;
-  narrow(removal.residual_low);
-  narrow(removal.residual_suspicious);
-  narrow(removal.residual_object);
+  narrow(removal.residual);
   narrow(removal.residual_long);
   narrow(dynamics.surfaces.moving_short);
   narrow(dynamics.surfaces.moving_long);

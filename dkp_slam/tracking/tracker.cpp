@@ -140,7 +140,10 @@ bool Tracker::track_by_motion(Frame& frame) {
     assign_landmarks(matches, frame);
     return true;
   }
-  return false;
+  // A frame that was carried has no landmarks to follow, but its motion leads to those of the map
+  // about it.
+  frame.camera_from_world = predicted;
+  return last_.tracked_landmarks() == 0 && frame.current_from_previous.has_value();
 }
 
 void Tracker::correct_shutter(Frame& frame, const Se3& motion) const {
@@ -155,7 +158,7 @@ void Tracker::correct_shutter(Frame& frame, const Se3& motion) const {
 bool Tracker::carry_by_motion(Frame& frame) {
   // Without a measured motion a pose would be a guess, and a guess is no localisation.
   if (!frame.current_from_previous || last_.index != frame.index - 1) return false;
-  if (state_ != TrackingState::tracking || motion_time_ <= 0.0) return false;
+  if (state_ != TrackingState::tracking) return false;
   if (frame.timestamp - map_time_ > options_.longest_carry) return false;
   frame.camera_from_world = predicted_motion(frame) * last_.camera_from_world;
   frame.reference_keyframe = last_.reference_keyframe;

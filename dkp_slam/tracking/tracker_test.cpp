@@ -62,6 +62,7 @@ struct Tracking : ::testing::Test {
   /// camera's motion is measured.
   Frame covered(int index) {
     Frame frame = frame_at(steady(index), index);
+    forget_points(frame, frame.features.size());
     std::fill(frame.is_static.begin(), frame.is_static.end(), 0);
     frame.current_from_previous = steady(index) * steady(index - 1).inverse();
     return frame;
@@ -148,6 +149,25 @@ TEST_F(Tracking, IsCarriedByItsMotionAsLongAsSomebodyWalksPast) {
   Frame late = covered(5 + longest);
   EXPECT_FALSE(track(late).localised);
   EXPECT_EQ(tracker().state(), TrackingState::lost);
+}
+
+TEST_F(Tracking, FindsTheMapAgainWhereItWasCarriedTo) {
+  follow(0, 5);
+  // Behind somebody the camera is jerked aside: where it was going nothing is to be found.
+  const auto jerked = [](int i) { return i < 5 ? steady(i) : pose(0.04 + 0.025 * (i - 4), 0, 0); };
+  for (int i = 5; i < 9; ++i) {
+    Frame frame = covered(i);
+    frame.current_from_previous = jerked(i) * jerked(i - 1).inverse();
+    ASSERT_TRUE(track(frame).localised) << i;
+  }
+  // So few landmarks that no keyframe would be recognised by them, all in boxes, trusted.
+  Frame frame = frame_at(jerked(9), 9);
+  forget_points(frame, frame.features.size() - 25);
+  std::fill(frame.is_static.begin(), frame.is_static.end(), 0);
+  frame.current_from_previous = jerked(9) * jerked(8).inverse();
+  ASSERT_TRUE(track(frame).localised);
+  EXPECT_GE(tracker().tracked_landmarks(), 20);
+  EXPECT_LT(pose_distance(frame.camera_from_world, jerked(9)), 0.002);
 }
 
 TEST_F(Tracking, IsCarriedByAMeasuredMotionOnly) {

@@ -69,11 +69,38 @@ std::vector<cv::Point2f> FeatureMotionEstimator::straight(
   return flat;
 }
 
+/// The previous frame's camera from this one's, before any flow is known: it goes on as it moved;
+/// but over a gap, or when nobody knows how it moved, small images tell better how it has turned.
+std::optional<ExpectedMotion> FeatureMotionEstimator::expect() const {
+  const double passed = steps_.size() < 2 ? 0.0 : steps_[0].time - steps_[1].time;
+  if (passed <= 0.0) return std::nullopt;
+  ExpectedMotion expected;
+  expected.translation_sigma = options_.motion.acceleration * passed * passed;
+  expected.rotation_sigma = options_.motion.angular_acceleration * passed * passed;
+  const bool known = steps_.size() > 2 && steps_[1].previous_from_this.has_value();
+  if (known) {
+    const double before = steps_[1].time - steps_[2].time;
+    expected.previous_from_current =
+        Se3::exp(passed / before * steps_[1].previous_from_this->log());
+  }
+  constexpr double coarse = 0.01;  // radians: sigma of the turn that small images tell
+  if (known && expected.rotation_sigma < 2.0 * coarse) return expected;
+  const auto turn = options_.coarse_rotation ? coarse_rotation_.previous_from_current()
+                                             : std::optional<Eigen::Quaterniond>();
+  if (!turn) return known ? std::optional(expected) : std::nullopt;
+  expected.previous_from_current.rotation = *turn;
+  expected.rotation_sigma = coarse;
+  constexpr double walking = 0.5;  // m/s
+  if (!known) expected.translation_sigma = walking * passed;
+  return expected;
+}
+
 std::vector<cv::Point2f> FeatureMotionEstimator::predict(
     const cv::Mat& depth, const std::vector<cv::Point2f>& points,
     const std::vector<cv::Point2f>& flat) const {
-  if (steps_.size() < 2 || !steps_[1].previous_from_this) return points;
-  const Se3& previous_from_this = *steps_[1].previous_from_this;
+  const std::optional<ExpectedMotion> expected = expect();
+  if (!expected) return points;
+  const Se3& previous_from_this = expected->previous_from_current;
   std::vector<cv::Point2f> guess = points;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double known = static_cast<double>(depth_at(depth, points[i]));
@@ -89,8 +116,10 @@ std::vector<cv::Point2f> FeatureMotionEstimator::predict(
 }
 
 FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& depth,
-                                            const std::vector<cv::Point2f>& points, double time) {
+                                            const std::vector<cv::Point2f>& points,
+                                            const std::vector<cv::Rect2f>& hidden, double time) {
   flow_.push(grey);
+  if (options_.coarse_rotation) coarse_rotation_.push(grey, hidden);
   steps_.push_front({time, std::nullopt});
   while (static_cast<int>(steps_.size()) > options_.flow.history + 1) steps_.pop_back();
   FeatureMotion motion;
@@ -130,11 +159,10 @@ Se3 FeatureMotionEstimator::current_from_previous() const {
   return {};
 }
 
-/// Motion from the features flagged low, or from all where those are too few.
-std::optional<CameraMotion> FeatureMotionEstimator::camera_motion(
+/// The features flagged low that have a depth, or all of them where those are too few.
+std::vector<MotionPoint> FeatureMotionEstimator::motion_points(
     const cv::Mat& depth, const std::vector<cv::Point2f>& points,
-    const std::vector<std::uint8_t>& low, const Se3& guess, const MotionOptions& options,
-    std::uint64_t seed, FeatureMotion& motion) const {
+    const std::vector<std::uint8_t>& low, FeatureMotion& motion) const {
   std::vector<MotionPoint> low_points, all_points;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (motion.tracks.tracked[i] == 0) continue;
@@ -146,27 +174,24 @@ std::optional<CameraMotion> FeatureMotionEstimator::camera_motion(
     if (low[i] != 0) low_points.push_back(observed);
   }
   motion.from_low_points = static_cast<int>(low_points.size()) >= options_.min_low_points;
-  return estimate_motion(camera_, motion.from_low_points ? low_points : all_points, guess, options,
-                         seed);
+  return motion.from_low_points ? low_points : all_points;
 }
 
 void FeatureMotionEstimator::measure_ego_motion(const cv::Mat& depth,
                                                 const std::vector<cv::Point2f>& points,
                                                 const std::vector<std::uint8_t>& low,
                                                 std::uint64_t seed, FeatureMotion& motion) {
-  Se3 guess;  // the camera goes on as it moved before
-  if (steps_.size() > 1 && steps_[1].previous_from_this) guess = *steps_[1].previous_from_this;
-  motion.camera_motion = camera_motion(depth, points, low, guess, options_.motion, seed, motion);
+  const ExpectedMotion expected = expect().value_or(ExpectedMotion());
+  motion.camera_motion = estimate_motion(camera_, motion_points(depth, points, low, motion),
+                                         expected, options_.motion, seed);
   if (!motion.camera_motion) return;
   steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
   if (camera_.readout > 0.0) {
     // The motion tells what the rolling shutter did, and that refines the motion.
     motion.now = straight(points, motion.seen_now, depth, points, 0);
     motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
-    MotionOptions refinement = options_.motion;
-    refinement.iterations = 0;
-    const auto refined = camera_motion(depth, points, low, *steps_.front().previous_from_this,
-                                       refinement, seed, motion);
+    const auto refined = refine_motion(camera_, motion_points(depth, points, low, motion), expected,
+                                       *steps_.front().previous_from_this, options_.motion);
     if (refined) motion.camera_motion = refined;
     steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
   }

@@ -7,6 +7,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "dkp_slam/dynamics/motion/coarse_rotation.h"
 #include "dkp_slam/dynamics/motion/flow.h"
 #include "dkp_slam/dynamics/motion/motion_check.h"
 #include "dkp_slam/geometry/camera.h"
@@ -18,6 +19,9 @@ class OptionList;
 struct FeatureMotionOptions {
   FlowOptions flow;
   MotionOptions motion;
+  /// Where the motion of the frame before is not known (a start, a view that was all people), the
+  /// flow starts from the camera's turn as small blurred images tell it; else from nothing.
+  bool coarse_rotation = true;
   /// The long baseline, seconds: a person who sways at 5 cm/s a metre away moves 1 px from one
   /// frame to the next (the short baseline), which is noise, and 3 px in this time.
   double long_baseline = 0.13;
@@ -51,12 +55,14 @@ struct FeatureMotion {
 class FeatureMotionEstimator {
  public:
   FeatureMotionEstimator(const Camera& camera, const FeatureMotionOptions& options)
-      : camera_(camera), options_(options), flow_(options.flow) {}
+      : camera_(camera), options_(options), flow_(options.flow), coarse_rotation_(camera) {}
 
   /// Takes the newest frame and tracks its features (raw pixels) one frame back.
-  /// Starts where the camera's last motion would take them, were they static.
+  /// Starts where the camera's motion would take them, were they static: its last one, else its
+  /// turn. `hidden`: boxes of what may move by itself.
   FeatureMotion track(const cv::Mat& grey, const cv::Mat& depth,
-                      const std::vector<cv::Point2f>& points, double time);
+                      const std::vector<cv::Point2f>& points, const std::vector<cv::Rect2f>& hidden,
+                      double time);
   /// The camera's motion into the newest frame from the one before, as far as it is known:
   /// measured, else that of the frame before, else none.
   Se3 current_from_previous() const;
@@ -73,13 +79,13 @@ class FeatureMotionEstimator {
     double time = 0.0;
     std::optional<Se3> previous_from_this;
   };
+  std::optional<ExpectedMotion> expect() const;
   std::vector<cv::Point2f> predict(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                                    const std::vector<cv::Point2f>& flat) const;
-  std::optional<CameraMotion> camera_motion(const cv::Mat& depth,
-                                            const std::vector<cv::Point2f>& points,
-                                            const std::vector<std::uint8_t>& low, const Se3& guess,
-                                            const MotionOptions& options, std::uint64_t seed,
-                                            FeatureMotion& motion) const;
+  std::vector<MotionPoint> motion_points(const cv::Mat& depth,
+                                         const std::vector<cv::Point2f>& points,
+                                         const std::vector<std::uint8_t>& low,
+                                         FeatureMotion& motion) const;
   Vector6d velocity_at(std::size_t step) const;
   std::vector<cv::Point2f> straight(const std::vector<cv::Point2f>& raw,
                                     const std::vector<cv::Point2f>& seen, const cv::Mat& depth,
@@ -92,6 +98,7 @@ class FeatureMotionEstimator {
   Camera camera_;
   FeatureMotionOptions options_;
   BackwardFlow flow_;
+  CoarseRotation coarse_rotation_;
   std::deque<Step> steps_;  // newest first, parallel to the flow's frames
 };
 

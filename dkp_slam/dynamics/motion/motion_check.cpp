@@ -16,10 +16,23 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 constexpr double min_z = 0.05;  // metres: nearer than any sensor reads
 
+/// Information, one over the sigmas squared, of what is expected: (translation, rotation).
+Vector6d information(const ExpectedMotion& expected) {
+  Vector6d diagonal;
+  diagonal.head<3>().setConstant(1.0 / (expected.translation_sigma * expected.translation_sigma));
+  diagonal.tail<3>().setConstant(1.0 / (expected.rotation_sigma * expected.rotation_sigma));
+  return diagonal;
+}
+
+/// Left tangent from the expected motion to this one.
+Vector6d off(const ExpectedMotion& expected, const Se3& motion) {
+  return (motion * expected.previous_from_current.inverse()).log();
+}
+
 /// One Gauss-Newton step on weighted reprojection errors; weight of a residual by Tukey's biweight
 /// with the given cut (pixels), 1 for an infinite one. False when the points do not fix the motion.
 bool gauss_newton_step(const Camera& camera, std::span<const MotionPoint* const> points, double cut,
-                       Se3& motion) {
+                       const ExpectedMotion& expected, Se3& motion) {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
@@ -43,6 +56,8 @@ bool gauss_newton_step(const Camera& camera, std::span<const MotionPoint* const>
     hessian.noalias() += weight * (u * u.transpose() + v * v.transpose());
     gradient.noalias() += weight * (u * error.x() + v * error.y());
   }
+  hessian.diagonal() += information(expected);
+  gradient += information(expected).cwiseProduct(off(expected, motion));
   hessian.diagonal().array() += 1e-9;
   const Eigen::LDLT<Matrix6d> solver(hessian);
   if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
@@ -60,11 +75,12 @@ double squared_residual(const Camera& camera, const Eigen::Matrix3d& rotation,
   return (camera.project(q) - point.previous).squaredNorm();
 }
 
-/// Truncated squared error over the scored points (MSAC: Torr and Zisserman 2000).
+/// Truncated squared error over the scored points (MSAC: Torr and Zisserman 2000), and that of what
+/// is expected.
 double score(const Camera& camera, const Se3& motion, std::span<const MotionPoint* const> points,
-             double limit, double best) {
+             const ExpectedMotion& expected, double limit, double best) {
   const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
-  double cost = 0.0;
+  double cost = information(expected).dot(off(expected, motion).cwiseAbs2());
   for (const MotionPoint* p : points) {
     cost += std::min(limit, squared_residual(camera, rotation, motion.translation, *p));
     if (cost >= best) break;
@@ -80,46 +96,22 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-std::optional<CameraMotion> estimate_motion(const Camera& camera,
-                                            const std::vector<MotionPoint>& points,
-                                            const Se3& guess, const MotionOptions& options,
-                                            std::uint64_t seed) {
-  if (static_cast<int>(points.size()) < options.min_points) return std::nullopt;
+std::optional<CameraMotion> refine_motion(const Camera& camera,
+                                          const std::vector<MotionPoint>& points,
+                                          const ExpectedMotion& expected, const Se3& start,
+                                          const MotionOptions& options) {
   std::vector<const MotionPoint*> all;
   for (const MotionPoint& p : points) all.push_back(&p);
-  std::mt19937_64 random(seed);
-  // A fixed stride spreads the scored points as the features are spread.
-  std::vector<const MotionPoint*> scored;
-  const std::size_t stride =
-      1 + (all.size() - 1) / static_cast<std::size_t>(std::max(1, options.max_scored));
-  for (std::size_t i = 0; i < all.size(); i += stride) scored.push_back(all[i]);
-
-  const double limit = options.inlier_distance * options.inlier_distance;
-  Se3 best = guess;
-  double best_cost = score(camera, guess, scored, limit, std::numeric_limits<double>::infinity());
-  for (int i = 0; i < options.iterations; ++i) {
-    std::array<const MotionPoint*, 3> sample{};
-    for (auto& s : sample) s = all[random() % all.size()];
-    if (sample[0] == sample[1] || sample[0] == sample[2] || sample[1] == sample[2]) continue;
-    Se3 motion = guess;
-    constexpr int steps = 3;  // from a motion that is nearly right already
-    bool ok = true;
-    for (int s = 0; s < steps && ok; ++s) {
-      ok = gauss_newton_step(camera, sample, std::numeric_limits<double>::infinity(), motion);
-    }
-    if (!ok) continue;
-    const double cost = score(camera, motion, scored, limit, best_cost);
-    if (cost < best_cost) {
-      best_cost = cost;
-      best = motion;
-    }
-  }
+  Se3 best = start;
   // Tukey's cut narrows from twice the inlier distance to it.
   for (const double cut : {2.0, 1.5, 1.0, 1.0, 1.0}) {
-    if (!gauss_newton_step(camera, all, cut * options.inlier_distance, best)) return std::nullopt;
+    if (!gauss_newton_step(camera, all, cut * options.inlier_distance, expected, best)) {
+      return std::nullopt;
+    }
   }
   CameraMotion result;
   result.previous_from_current = best;
+  const double limit = options.inlier_distance * options.inlier_distance;
   const Eigen::Matrix3d rotation = best.rotation.toRotationMatrix();
   std::vector<double> errors;
   for (const MotionPoint* p : all) {
@@ -134,6 +126,44 @@ std::optional<CameraMotion> estimate_motion(const Camera& camera,
   constexpr double rayleigh_median = 1.1774;  // of a residual's length over its sigma per axis
   result.noise = median(errors) / rayleigh_median;
   return result;
+}
+
+std::optional<CameraMotion> estimate_motion(const Camera& camera,
+                                            const std::vector<MotionPoint>& points,
+                                            const ExpectedMotion& expected,
+                                            const MotionOptions& options, std::uint64_t seed) {
+  if (static_cast<int>(points.size()) < options.min_points) return std::nullopt;
+  std::mt19937_64 random(seed);
+  // A fixed stride spreads the scored points as the features are spread.
+  std::vector<const MotionPoint*> scored;
+  const std::size_t stride =
+      1 + (points.size() - 1) / static_cast<std::size_t>(std::max(1, options.max_scored));
+  for (std::size_t i = 0; i < points.size(); i += stride) scored.push_back(&points[i]);
+
+  const double limit = options.inlier_distance * options.inlier_distance;
+  const Se3& guess = expected.previous_from_current;
+  Se3 best = guess;
+  double best_cost =
+      score(camera, guess, scored, expected, limit, std::numeric_limits<double>::infinity());
+  for (int i = 0; i < options.iterations; ++i) {
+    std::array<const MotionPoint*, 3> sample{};
+    for (auto& s : sample) s = &points[random() % points.size()];
+    if (sample[0] == sample[1] || sample[0] == sample[2] || sample[1] == sample[2]) continue;
+    Se3 motion = guess;
+    constexpr int steps = 3;  // from a motion that is nearly right already
+    bool ok = true;
+    for (int s = 0; s < steps && ok; ++s) {
+      ok = gauss_newton_step(camera, sample, std::numeric_limits<double>::infinity(), expected,
+                             motion);
+    }
+    if (!ok) continue;
+    const double cost = score(camera, motion, scored, expected, limit, best_cost);
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = motion;
+    }
+  }
+  return refine_motion(camera, points, expected, best, options);
 }
 
 double motion_residual(const Camera& camera, const Se3& previous_from_current,

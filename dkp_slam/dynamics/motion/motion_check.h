@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,11 @@ struct MotionOptions {
   double inlier_distance = 2.0;    ///< pixels: LK's noise plus the depth's at short range
   int min_points = 12;             ///< fewer say nothing about six unknowns
   double min_inlier_share = 0.35;  ///< of the points: below it the motion is not believed
+  /// How fast a hand changes a camera's speed, sigma, m/s^2 and rad/s^2: twice what the motion
+  /// capture of the benchmark's sequences shows. Few points in a corner of the image cannot tell a
+  /// turn from a shift; this can.
+  double acceleration = 3.0;
+  double angular_acceleration = 12.0;
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound
@@ -37,13 +43,27 @@ struct CameraMotion {
   double noise = 0.0;  ///< robust standard deviation of the inliers' residuals per axis, pixels
 };
 
+/// What is known of a camera's motion before it is measured. Unless told otherwise, nothing.
+struct ExpectedMotion {
+  Se3 previous_from_current;
+  double translation_sigma = std::numeric_limits<double>::infinity();  ///< metres, per axis
+  double rotation_sigma = std::numeric_limits<double>::infinity();     ///< radians, per axis
+};
+
 /// Camera motion between two frames by RANSAC over three-point samples and robust least squares
-/// on the reprojection error in the earlier frame. `guess` starts every solution: motions between
-/// frames are small. Nothing when too few points agree. The same seed gives the same motion.
+/// on the reprojection error in the earlier frame, one pixel being its sigma, and on the distance
+/// from the expected motion, which starts every solution too: motions between frames are small.
+/// Nothing when too few points agree. The same seed gives the same motion.
 std::optional<CameraMotion> estimate_motion(const Camera& camera,
                                             const std::vector<MotionPoint>& points,
-                                            const Se3& guess, const MotionOptions& options,
-                                            std::uint64_t seed);
+                                            const ExpectedMotion& expected,
+                                            const MotionOptions& options, std::uint64_t seed);
+
+/// The same without the search: robust least squares from `start` on.
+std::optional<CameraMotion> refine_motion(const Camera& camera,
+                                          const std::vector<MotionPoint>& points,
+                                          const ExpectedMotion& expected, const Se3& start,
+                                          const MotionOptions& options);
 
 /// Distance, pixels, between where flow found the point and where a static point would have been.
 /// NaN when that lies behind the camera.

@@ -49,7 +49,7 @@ std::vector<MotionPoint> observe(std::size_t count, std::size_t movers_from) {
 
 TEST(MotionCheck, FindsTheCameraMotionAmongMovers) {
   const auto points = observe(300, 180);  // 40% move alike
-  const auto motion = estimate_motion(test_camera(), points, Se3(), {}, 5);
+  const auto motion = estimate_motion(test_camera(), points, {}, {}, 5);
   ASSERT_TRUE(motion.has_value());
   const Se3 error = motion->previous_from_current * known_motion().inverse();
   EXPECT_LT(error.translation.norm(), 0.001);
@@ -66,11 +66,40 @@ TEST(MotionCheck, FindsTheCameraMotionAmongMovers) {
 }
 
 TEST(MotionCheck, SaysNothingWithoutAgreement) {
-  EXPECT_FALSE(estimate_motion(test_camera(), observe(8, 8), Se3(), {}, 5).has_value());
+  EXPECT_FALSE(estimate_motion(test_camera(), observe(8, 8), {}, {}, 5).has_value());
   std::mt19937_64 random(9);
   auto points = observe(100, 100);
   for (auto& p : points) p.previous = {uniform(random, 0, 640), uniform(random, 0, 480)};
-  EXPECT_FALSE(estimate_motion(test_camera(), points, Se3(), {}, 5).has_value());
+  EXPECT_FALSE(estimate_motion(test_camera(), points, {}, {}, 5).has_value());
+}
+
+TEST(MotionCheck, WhatIsExpectedDecidesWhereFewPointsCannot) {
+  // Seventy points in a corner of the image at nearly one depth: a turn and a shift look alike.
+  const Camera camera = test_camera();
+  std::mt19937_64 random(11);
+  Vector6d turn = Vector6d::Zero();
+  turn[4] = -0.06;
+  const Se3 truth = Se3::exp(turn);
+  std::vector<MotionPoint> points;
+  for (int i = 0; i < 70; ++i) {
+    MotionPoint p;
+    p.point = camera.unproject({uniform(random, 20, 120), uniform(random, 300, 460)},
+                               uniform(random, 0.78, 0.82));
+    p.previous = camera.project(truth * p.point) +
+                 Eigen::Vector2d(uniform(random, -1.5, 1.5), uniform(random, -1.5, 1.5));
+    points.push_back(p);
+  }
+  ExpectedMotion expected;
+  expected.previous_from_current = Se3::exp(0.9 * turn);
+  const auto shift_of = [&](const ExpectedMotion& e) {
+    const auto motion = estimate_motion(camera, points, e, {}, 5);
+    EXPECT_TRUE(motion.has_value());
+    return motion ? motion->previous_from_current.translation.norm() : 1.0;
+  };
+  EXPECT_GT(shift_of(expected), 0.01);  // metres, where there was no shift
+  expected.translation_sigma = 0.003;
+  expected.rotation_sigma = 0.01;
+  EXPECT_LT(shift_of(expected), 0.003);
 }
 
 TEST(MotionCheck, WithoutDepthOnlyMotionAcrossTheEpipolarLineShows) {

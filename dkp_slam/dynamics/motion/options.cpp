@@ -25,6 +25,9 @@ void MotionOptions::describe(OptionList& list) {
   list.add("min_points", min_points, at_least(3), "", "fewer say nothing");
   list.add("min_inlier_share", min_inlier_share, between(0, 1), "",
            "of the points; below it the motion is not believed");
+  list.add("acceleration", acceleration, above(0), "m/s^2", "of a camera in a hand, sigma");
+  list.add("angular_acceleration", angular_acceleration, above(0), "rad/s^2",
+           "of a camera in a hand, sigma");
 }
 
 void MotionOptions::check() const { check_options(*this); }
@@ -32,6 +35,8 @@ void MotionOptions::check() const { check_options(*this); }
 void FeatureMotionOptions::describe(OptionList& list) {
   list.add_part("flow", flow, "of features into earlier frames");
   list.add_part("motion", motion, "the camera's own, from that flow");
+  list.add("coarse_rotation", coarse_rotation,
+           "where the camera's motion is unknown, find its turn on small blurred images");
   list.add("long_baseline", long_baseline, above(0), "seconds",
            "over which slow motion is told from noise");
   list.add("depth_lag", depth_lag, between(0, 1), "",

@@ -10,11 +10,12 @@ struct RemovalOptions {
   /// Features this near to a mask go with it, pixels (residual and given mask rules): corners on an
   /// outline move with the person, and depth is that ragged there.
   int mask_margin = 2;
-  /// Largest motion residual of a static point, pixels (residual rule): LK's noise and the depth's.
-  float residual_low = 2.0F;         ///< outside boxes
-  float residual_suspicious = 1.5F;  ///< in a box, outside its mask
-  float residual_object = 1.0F;      ///< on things of middle weight
-  float residual_long = 2.5F;        ///< in boxes, over the longer baseline
+  /// Motion residual, pixels, from which on a feature in a box is seen to move: flow's noise and
+  /// the depth's, from one frame to the next and over the longer baseline...
+  float residual = 1.5F;
+  float residual_long = 2.5F;
+  /// ... and at least so many sigma of the static points' residuals in the frame.
+  float noise_factor = 4.0F;
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound

@@ -97,11 +97,22 @@ TEST_F(Rules, MasksOfWhatMovesByItselfGo) {
   EXPECT_EQ(kept_by(MaskRule()), (std::vector<bool>{false, true, true, true, true, true, true}));
 }
 
-TEST_F(Rules, ResidualsDecideOutsideMasksAndTheirOutlines) {
+TEST_F(Rules, MasksOfPeopleGoWithTheirOutlinesAndElseWhatIsSeenToMove) {
   const ResidualRule rule({});
-  EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, true, false, false, true, true}));
-  motion_.long_residual[2] = 3.0F;
-  EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, false, false, false, true, true}));
+  EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, true, true, true, true, true}));
+  motion_.long_residual[2] = motion_.long_residual[3] = 3.0F;
+  EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, false, false, true, true, true}));
+}
+
+TEST_F(Rules, WhatIsSeenToMoveIsMoreThanTheNoise) {
+  motion_.long_residual.assign(points_.size(), 3.0F);
+  motion_.camera_motion.emplace();
+  motion_.camera_motion->noise = 0.7;  // four of these are 2.8 px
+  EXPECT_EQ(kept_by(ResidualRule({})),
+            (std::vector<bool>{false, false, false, false, false, false, true}));
+  motion_.camera_motion->noise = 0.8;  // and of these 3.2
+  EXPECT_EQ(kept_by(ResidualRule({})),
+            (std::vector<bool>{false, false, true, true, true, true, true}));
 }
 
 TEST(Removal, PaperWeighsTheEpipolarDistance) {
@@ -111,20 +122,22 @@ TEST(Removal, PaperWeighsTheEpipolarDistance) {
   EXPECT_FALSE(by_epipolar(feature(Region::low, 1.0F, 1.2F, 0.0F)));
 }
 
-TEST(Removal, WhatFlowCannotFollowGoesInsideBoxesOnly) {
+TEST(Removal, WhatFlowCannotFollowIsNoProofOfMotion) {
   FeatureDynamics lost;
   lost.region = Region::low;
   EXPECT_TRUE(by_epipolar(lost));
   EXPECT_TRUE(by_residual(lost, false));
   lost.region = Region::suspicious;
   EXPECT_FALSE(by_epipolar(lost));
-  EXPECT_FALSE(by_residual(lost, true));
+  EXPECT_TRUE(by_residual(lost, true));
 }
 
-TEST(Removal, ThingsLoseOnlyTheirMovingPoints) {
-  EXPECT_TRUE(by_residual(feature(Region::suspicious, 2, 0, 0.4F), false));
-  EXPECT_FALSE(by_residual(feature(Region::suspicious, 2, 0, 2.5F), false));
-  EXPECT_FALSE(by_residual(feature(Region::low, 1, 0, 2.5F), false));
+TEST(Removal, OnlyBoxesLosePointsThatMove) {
+  EXPECT_TRUE(by_residual(feature(Region::suspicious, 2, 0, 1.4F), true));
+  EXPECT_FALSE(by_residual(feature(Region::suspicious, 2, 0, 1.6F), true));
+  EXPECT_TRUE(by_residual(feature(Region::high, 2, 0, 1.4F), false));
+  EXPECT_FALSE(by_residual(feature(Region::high, 2, 0, 1.6F), false));
+  EXPECT_TRUE(by_residual(feature(Region::low, 1, 0, 20.0F), false));
 }
 
 }  // namespace

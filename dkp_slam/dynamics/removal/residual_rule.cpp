@@ -1,5 +1,6 @@
 #include "dkp_slam/dynamics/removal/residual_rule.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "dkp_slam/dynamics/removal/region_rules.h"
@@ -7,22 +8,27 @@
 namespace dkp_slam {
 
 bool ResidualRule::is_static(const FeatureDynamics& f, const Evidence& e) const {
-  const bool known = f.tracked && !std::isnan(f.motion_residual);
-  if (e.at_outline) return false;
-  if (f.region == Region::low) return !known || f.motion_residual < options_.residual_low;
-  if (f.region == Region::high && e.self_moving) return false;
-  if (e.long_residual >= options_.residual_long) return false;  // false for NaN
-  if (!e.self_moving) return !known || f.motion_residual < options_.residual_object;
-  return known && f.motion_residual < options_.residual_suspicious;
+  if (e.at_outline || (f.region == Region::high && e.self_moving)) return false;
+  if (f.region == Region::low) return true;
+  const float noise = options_.noise_factor * e.noise;
+  const bool moves = f.tracked && f.motion_residual >= std::max(options_.residual, noise);
+  const bool moves_slowly = e.long_residual >= std::max(options_.residual_long, noise);
+  return !moves && !moves_slowly;  // both false for NaN
 }
 
 void ResidualRule::classify(const RemovalInput& input,
                             std::vector<FeatureDynamics>& features) const {
   const std::vector<std::uint8_t> self_moving = on_self_moving(input);
+  cv::Mat moving = input.labels.clone();
+  for (std::size_t o = 0; o < input.objects.size(); ++o) {
+    if (!input.objects[o].moves_by_itself) moving.setTo(0, moving == static_cast<int>(o) + 1);
+  }
   const cv::Mat outline =
-      input.objects.empty() ? input.labels : masks_and_outlines(input.labels, options_.mask_margin);
+      input.objects.empty() ? moving : masks_and_outlines(moving, options_.mask_margin);
+  const auto& camera_motion = input.motion.camera_motion;
+  const float noise = camera_motion ? static_cast<float>(camera_motion->noise) : 0.0F;
   for (std::size_t i = 0; i < features.size(); ++i) {
-    const Evidence evidence{self_moving[i] != 0, label_at(outline, input.points[i]) != 0,
+    const Evidence evidence{self_moving[i] != 0, label_at(outline, input.points[i]) != 0, noise,
                             input.motion.long_residual[i]};
     features[i].is_static = is_static(features[i], evidence);
   }
