@@ -75,8 +75,8 @@ TEST_P(Twins, ExactBoxesAndMotionDetector) {
 INSTANTIATE_TEST_SUITE_P(
     Synthetic, Twins,
     ::testing::Values(
-        Twin{"walking_xyz", 60, first_walk, 0.012, true},         // 0.0039, 0.0038 (0.0285)
-        Twin{"walking_rpy", 60, 150, 0.011, true},                // 0.0053, 0.0076 (0.0137)
+        Twin{"walking_xyz", 60, 210, 0.012, true},                // 0.0032, 0.0032 (0.0421)
+        Twin{"walking_rpy", 90, 150, 0.011, true},                // 0.0065, 0.0076 (0.0134)
         Twin{"walking_halfsphere", 60, first_walk, 0.015, true},  // 0.0060, 0.0058 (0.1133)
         Twin{"walking_static", 60, first_walk, 0.008, true},      // 0.0035, 0.0032 (0.0186)
         Twin{"sitting_static", 45, 0, 0.006, false},              // 0.0034, 0.0026
