@@ -58,7 +58,7 @@ std::string problem_of(const RgbdFrame& frame, const SlamConfig& config,
         "its depth image is {} pixels, its colour image {}; register depth to colour",
         size_text(depth), size_text(colour));
   }
-  if (const std::string problem = problem_of_mask(frame, config); !problem.empty()) return problem;
+  if (std::string problem = problem_of_mask(frame, config); !problem.empty()) return problem;
   if (!std::isfinite(frame.timestamp)) return "its time stamp is no number";
   if (last_timestamp && frame.timestamp <= *last_timestamp) {
     return fmt::format("its time stamp {:.6f} is not after the last frame's {:.6f}",
