@@ -22,6 +22,7 @@
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/dynamics/modes.h"
+#include "dkp_slam/dynamics/parts.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
@@ -210,7 +211,9 @@ void run(RunOptions options) {
   observers.path = std::make_shared<LivePath>(options.out);
   RunResult result;
   result.options = describe(options, config);
-  result.config = config_json(config);
+  SlamConfig used = config;
+  used.dynamics = options_of_mode(config.dynamics);
+  result.config = config_json(used);
   result.detector = detector ? detector->name() : "none";
   catch_interrupts();
   std::optional<Map> stored = observers.map->take_stored();

@@ -146,6 +146,17 @@ TEST_F(RunCommand, LocalisesEveryFrameAndSaysWhereThingsAre) {
   EXPECT_THAT(stderr_, HasSubstr("run: 12 of 12"));
 }
 
+TEST_F(RunCommand, TheSummaryHasTheOptionsThatTheModeUses) {
+  ASSERT_EQ(run({"--mode", "paper", "--detector", "none"}), 0) << stderr_;
+  const auto paper = summary().at("config").at("dynamics");
+  EXPECT_EQ(paper.at("compensation").at("compensate"), false);
+  EXPECT_EQ(paper.at("regions").at("printed_equation"), true);
+  ASSERT_EQ(run({"--mode", "dkp", "--detector", "none"}), 0) << stderr_;
+  const auto ours = summary().at("config").at("dynamics");
+  EXPECT_EQ(ours.at("compensation").at("compensate"), true);
+  EXPECT_EQ(ours.at("regions").at("printed_equation"), false);
+}
+
 TEST_F(RunCommand, SaysWhichDetectorRunsAndHowToGetWeights) {
   ASSERT_EQ(run({}), 0) << stderr_;
   EXPECT_THAT(stderr_, HasSubstr("detector: motion"));

@@ -33,12 +33,23 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string data, model, out, also, resume, program, config = DKP_SLAM_CONFIG_DIR;
   int repeat = 3;
-  std::vector<std::string> sequences{"fr1_xyz", "fr3_walking_halfsphere_50",
-                                     "composite_xyz_walking", "composite_xyz_sitting"};
+  std::vector<std::string> sequences{"fr1_xyz",
+                                     "fr3_walking_halfsphere_50",
+                                     "composite_xyz_walking",
+                                     "composite_xyz_sitting",
+                                     "composite_xyz_three",
+                                     "fr1_rpy",
+                                     "composite_rpy_walking",
+                                     "composite_rpy_sitting"};
   // Cuts of the benchmark's sequences under short names, which do not tell their camera.
-  std::vector<std::string> cameras{"fr1_xyz=tum_fr1.yaml", "fr3_walking_halfsphere_50=tum_fr3.yaml",
+  std::vector<std::string> cameras{"fr1_xyz=tum_fr1.yaml",
+                                   "fr3_walking_halfsphere_50=tum_fr3.yaml",
                                    "composite_xyz_walking=tum_fr1.yaml",
-                                   "composite_xyz_sitting=tum_fr1.yaml"};
+                                   "composite_xyz_sitting=tum_fr1.yaml",
+                                   "composite_xyz_three=tum_fr1.yaml",
+                                   "fr1_rpy=tum_fr1.yaml",
+                                   "composite_rpy_walking=tum_fr1.yaml",
+                                   "composite_rpy_sitting=tum_fr1.yaml"};
   std::vector<std::string> modes = bench_modes();
   std::vector<std::string> command;
 };

@@ -4,8 +4,10 @@
   there_and_back.py make SEQUENCE OUT --rounds 20     a folder that lists the frames that often
   there_and_back.py measure OUT RUN                   first and last round of its run side by side
 
-`make` copies no image: OUT's lists name those of SEQUENCE. Run it with a camera file whose readout is
-0: played backward, a rolling shutter reads the rows the wrong way round.
+`make` copies no image: OUT's lists name those of SEQUENCE. Its detections.txt, where there is one, is
+repeated like the lists. Run it with a camera file whose readout is 0: played backward, a rolling shutter
+reads the rows the wrong way round. `measure` compares the last ten minutes with the ten before, too, where
+the recording is longer than twenty.
 """
 
 import argparse
@@ -28,7 +30,10 @@ def make(sequence, out, rounds):
         if not (sequence / f"{name}.txt").is_file():
             sys.exit(f"there_and_back.py: {sequence} has no {name}.txt; name a folder in TUM format")
     out.mkdir(parents=True, exist_ok=True)
-    lists = {name: entries(sequence / f"{name}.txt") for name in ("rgb", "depth", "groundtruth")}
+    names = ["rgb", "depth", "groundtruth"]
+    if (sequence / "detections.txt").is_file():
+        names.append("detections")
+    lists = {name: entries(sequence / f"{name}.txt") for name in names}
     first = min(t for t, _ in lists["rgb"])
     last = max(t for t, _ in lists["rgb"])
     frame_time = (last - first) / (len(lists["rgb"]) - 1)
@@ -43,7 +48,7 @@ def make(sequence, out, rounds):
                 begin = first + r * length
                 inside = [(t, rest) for t, rest in rows if first - 0.05 <= t <= last + 0.05]
                 moments = [(begin + (last - t if r % 2 else t - first), rest) for t, rest in inside]
-                for t, rest in sorted(moments):
+                for t, rest in sorted(moments, key=lambda m: m[0]):  # stable: boxes keep their order
                     file.write(f"{t:.6f} {' '.join(rest)}\n")
     (out / "rounds.txt").write_text(f"{first:.6f} {length:.6f} {rounds}\n")
 
@@ -97,6 +102,27 @@ def growth(figures):
     return slope([f["median_mb"] for f in figures[len(figures) // 2 - 1:]])
 
 
+def windows(run, minutes=10):
+    """The frames of the last minutes and those of as many before; none where the run is shorter."""
+    with open(run / "timings.csv") as file:
+        frames = [(float(f["timestamp"]), float(f["memory_mb"]), float(f["frame_ms"]), float(f["tracking_ms"]))
+                  for f in csv.DictReader(file)]
+    end, span = frames[-1][0], 60 * minutes
+    if end - frames[0][0] < 2 * span:
+        return None
+    return [[f for f in frames if end - (k + 1) * span < f[0] <= end - k * span] for k in (1, 0)]
+
+
+def compare_windows(run):
+    both = windows(run)
+    if both is None:
+        return
+    for column, name, unit in ((1, "memory", "MB"), (2, "frame time", "ms"), (3, "tracking", "ms")):
+        before, last = (statistics.median(f[column] for f in frames) for frames in both)
+        print(f"{name}, median: {before:.2f} {unit} in the last ten minutes but ten, {last:.2f} in the last ten"
+              f" ({100 * (last / before - 1):+.1f} %)")
+
+
 def measure(out, run, program):
     print("round  frames  localised  frame ms  tracking ms  decoding ms  keyframes made  memory MB"
           "  median MB  ATE m")
@@ -108,6 +134,7 @@ def measure(out, run, program):
               f"  {f['median_mb']:9.1f}  {f['ate']:.4f}")
     if len(figures) > 4:
         print(f"memory grows by {growth(figures):.3f} MB a round over the second half")
+    compare_windows(run)
 
 
 def main():

@@ -22,7 +22,14 @@ std::optional<double> value_of(const MaskFigures& figures, Quantity quantity) {
   return quantity == Quantity::features_removed ? figures.removed : figures.kept;
 }
 
+/// What a run that replays detections says nothing about.
+bool is_of_whole_process(Quantity quantity) {
+  return quantity == Quantity::frame_ms || quantity == Quantity::processor_ms ||
+         quantity == Quantity::wall_ms || quantity == Quantity::peak_memory;
+}
+
 std::optional<double> value_of(const RunFigures& run, Quantity quantity) {
+  if (!run.whole && is_of_whole_process(quantity)) return std::nullopt;
   const double frames = static_cast<double>(std::max<std::size_t>(run.frames, 1));
   switch (quantity) {
     case Quantity::ate:
@@ -81,7 +88,7 @@ std::vector<double> stage_values(const Results& results, const std::string& sequ
                                  const std::string& mode, const std::string& stage) {
   std::vector<double> out;
   for (const RunFigures& run : results.runs) {
-    if (!run.problem.empty() || !matches(run.key, sequence, mode)) continue;
+    if (!run.problem.empty() || !run.whole || !matches(run.key, sequence, mode)) continue;
     const auto found = run.stage_ms.find(stage);
     if (found != run.stage_ms.end()) out.push_back(found->second);
   }

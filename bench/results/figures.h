@@ -14,7 +14,7 @@ namespace dkp_slam::bench {
 /// One run of the program: a sequence, an ablation mode and a seed.
 struct RunKey {
   std::string sequence;
-  std::string mode;  ///< as on the command line: off, d, dk, dkp, dkp+
+  std::string mode;  ///< as on the command line: as `bench_modes` has them
   std::uint64_t seed = 1;
 };
 
@@ -22,6 +22,9 @@ struct RunKey {
 struct RunFigures {
   RunKey key;
   std::string problem;  ///< why there are no figures; empty after a good run
+  /// False: the first seed's detections were played, one frame at a time. Path and times of
+  /// tracking are the same as with a detector; what the whole process takes is not measured.
+  bool whole = true;
   std::size_t frames = 0;
   std::size_t lost_frames = 0;                  ///< without a pose in the trajectory
   double ate_rmse = 0.0, ate_deviation = 0.0;   ///< metres

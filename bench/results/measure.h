@@ -33,8 +33,10 @@ std::filesystem::path run_folder(const MeasureOptions& options, const RunKey& ke
 /// Whether a finished run of this program with these options lies in its folder already.
 bool is_finished(const MeasureOptions& options, const RunKey& key);
 
-/// Runs the program on a sequence, offline. False when `stop` ended it early; the folder then does
-/// not count as finished. A run that fails counts, with its problem.
+/// Runs the program on a sequence, offline, then once more on the detections of that run. Where the
+/// first seed's run of the sequence and mode is there and good, only the latter, on its detections.
+/// False when `stop` ended it early; the folder then does not count as finished. A run that fails
+/// counts, with its problem.
 bool measure_run(const MeasureOptions& options, const RunKey& key,
                  const std::function<bool()>& stop);
 

@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 
 // Written last: a run without it was cut off.
 const char* const record_name = "process.json";
+constexpr std::uint64_t first_seed = 1;
 
 std::vector<std::string> command_of(const MeasureOptions& options, const RunKey& key) {
   std::vector<std::string> command = {options.program.string(),
@@ -46,9 +47,13 @@ std::vector<std::string> command_of(const MeasureOptions& options, const RunKey&
   return command;
 }
 
-/// The same run with the detections that it made, one frame at a time: its times are those of
-/// tracking alone, as those of systems that read, detect and track in turn.
-std::vector<std::string> replay_of(const MeasureOptions& options, const RunKey& key) {
+/// The run whose detections a run replays: a detector answers every seed alike.
+RunKey first_of(const RunKey& key) { return {key.sequence, key.mode, first_seed}; }
+
+/// The run with the detections of `detected`, one frame at a time: its times are those of tracking
+/// alone, as those of systems that read, detect and track in turn.
+std::vector<std::string> replay_of(const MeasureOptions& options, const RunKey& key,
+                                   const RunKey& detected) {
   const bool detects = mode_info(mode_named(key.mode)).detector;
   RunKey plain = key;
   if (detects) plain.mode = "off";  // no detector
@@ -58,16 +63,22 @@ std::vector<std::string> replay_of(const MeasureOptions& options, const RunKey& 
   *(std::find(command.begin(), command.end(), "--out") + 1) = (folder / "replay").string();
   command.emplace_back("--one-at-a-time");
   if (detects) {
-    command.insert(command.end(), {"--detections", (folder / "out" / "detections.txt").string()});
+    command.insert(
+        command.end(),
+        {"--detections", (run_folder(options, detected) / "out" / "detections.txt").string()});
   }
   return command;
 }
 
-std::map<std::string, std::vector<double>> read_times(const fs::path& folder) {
-  std::ifstream timings(folder / "timings.csv");
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file);
   std::ostringstream text;
-  text << timings.rdbuf();
-  return read_timings(text.str());
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::map<std::string, std::vector<double>> read_times(const fs::path& folder) {
+  return read_timings(text_of(folder / "timings.csv"));
 }
 
 nlohmann::json read_json(const fs::path& path) {
@@ -126,15 +137,20 @@ bool measure_run(const MeasureOptions& options, const RunKey& key,
   const fs::path folder = run_folder(options, key);
   fs::remove(folder / record_name);
   fs::remove_all(folder / "out");
+  fs::remove_all(folder / "replay");
   fs::create_directories(folder);
-  const std::vector<std::string> command = command_of(options, key);
-  const ProcessResult result = run_process(command, folder / "log.txt", stop);
+  const bool whole = key.seed == first_seed || !is_finished(options, first_of(key)) ||
+                     !read_run(options, first_of(key)).problem.empty();
+  ProcessResult result;
+  if (whole) result = run_process(command_of(options, key), folder / "log.txt", stop);
   if (!stop() && result.exit_code == 0) {
-    fs::remove_all(folder / "replay");
-    run_process(replay_of(options, key), folder / "replay_log.txt", stop);
+    const ProcessResult replay = run_process(replay_of(options, key, whole ? key : first_of(key)),
+                                             folder / "replay_log.txt", stop);
+    if (!whole) result = replay;
   }
   if (stop()) return false;
-  const nlohmann::ordered_json record = {{"command", command},
+  const nlohmann::ordered_json record = {{"command", command_of(options, key)},
+                                         {"whole", whole},
                                          {"program", fingerprint(options.program)},
                                          {"exit_code", result.exit_code},
                                          {"wall_s", result.wall_s},
@@ -153,19 +169,26 @@ RunFigures read_run(const MeasureOptions& options, const RunKey& key) {
     figures.wall_s = process.at("wall_s");
     figures.processor_s = process.at("processor_s");
     figures.others_share = process.at("others_share");
+    figures.whole = process.at("whole");
+    const fs::path out = folder / (figures.whole ? "out" : "replay");
     if (const int code = process.at("exit_code"); code != 0) {
-      throw Error(fmt::format("exit code {}: {}", code, last_line(folder / "log.txt")));
+      const char* const log = figures.whole ? "log.txt" : "replay_log.txt";
+      throw Error(fmt::format("exit code {}: {}", code, last_line(folder / log)));
     }
-    const nlohmann::json summary = read_json(folder / "out" / "summary.json");
+    const nlohmann::json summary = read_json(out / "summary.json");
     figures.peak_memory_mb = summary.at("peak_memory_mb");
     // Frames whose images could not be read are lost to the user too.
     figures.frames = summary.at("frames").get<std::size_t>() +
                      summary.value("skipped_frames", static_cast<std::size_t>(0));
     set_times(figures, read_times(folder / "replay"));
     const double without_detection = figures.without_detection_ms;
-    set_times(figures, read_times(folder / "out"));
+    set_times(figures, read_times(out));
     figures.without_detection_ms = without_detection;
-    const Trajectory estimate = read_trajectory(folder / "out" / "trajectory.txt");
+    const Trajectory estimate = read_trajectory(out / "trajectory.txt");
+    // What lets the other seeds replay.
+    if (text_of(out / "trajectory.txt") != text_of(folder / "replay" / "trajectory.txt")) {
+      throw Error(folder.string() + ": the replay of its detections took another path");
+    }
     // Counted in what a user gets, not taken from the program's own word.
     figures.lost_frames = figures.frames - std::min(figures.frames, estimate.size());
     set_errors(figures, read_trajectory(options.data / key.sequence / "groundtruth.txt"), estimate);

@@ -77,7 +77,7 @@ class MeasureRun : public ::testing::Test {
 
 TEST_F(MeasureRun, FiguresComeFromTheOutputOfTheRun) {
   const RunKey key{"fr1_line", "dkp+", 7};
-  ASSERT_TRUE(measure_run(options_, key, go_on));
+  ASSERT_TRUE(measure_run(options_, key, go_on));  // no run of seed 1 is there
   const std::string called = read(folder_ / "called");
   EXPECT_THAT(called, HasSubstr("--mode dkp+ --seed 7"));
   EXPECT_THAT(called, HasSubstr("config/tum_fr1.yaml"));
@@ -96,6 +96,37 @@ TEST_F(MeasureRun, FiguresComeFromTheOutputOfTheRun) {
   ASSERT_TRUE(run.rpe_frame.has_value());
   EXPECT_NEAR(*run.rpe_frame, 0.04, 1e-4);
   EXPECT_GT(run.wall_s, 0.0);
+}
+
+TEST_F(MeasureRun, OtherSeedsReplayWhatTheFirstDetected) {
+  const RunKey first{"fr1_line", "dkp+", 1}, second{"fr1_line", "dkp+", 2};
+  ASSERT_TRUE(measure_run(options_, first, go_on));
+  fs::remove(folder_ / "called");
+  ASSERT_TRUE(measure_run(options_, second, go_on));
+  const std::string called = read(folder_ / "called");
+  EXPECT_THAT(called, Not(HasSubstr("--detector")));
+  EXPECT_THAT(called, HasSubstr("--seed 2"));
+  EXPECT_THAT(called, HasSubstr("--detections " +
+                                (run_folder(options_, first) / "out/detections.txt").string()));
+  EXPECT_TRUE(is_finished(options_, second));
+  const RunFigures run = read_run(options_, second);
+  EXPECT_EQ(run.problem, "");
+  EXPECT_FALSE(run.whole);
+  EXPECT_NEAR(run.ate_rmse, 0.02, 1e-4);
+  EXPECT_EQ(run.lost_frames, 3U);
+  Results results;
+  results.runs = {read_run(options_, first), run};
+  EXPECT_EQ(values(results, "fr1_line", "dkp+", Quantity::ate).size(), 2U);
+  EXPECT_EQ(values(results, "fr1_line", "dkp+", Quantity::without_detection_ms).size(), 2U);
+  EXPECT_EQ(values(results, "fr1_line", "dkp+", Quantity::peak_memory).size(), 1U);
+  EXPECT_EQ(stage_values(results, "fr1_line", "dkp+", "detection").size(), 1U);
+}
+
+TEST_F(MeasureRun, AReplayThatGoesAnotherWayIsAProblem) {
+  const RunKey key{"fr1_line", "dkp+", 1};
+  ASSERT_TRUE(measure_run(options_, key, go_on));
+  write(run_folder(options_, key) / "replay" / "trajectory.txt", "0 0 0 0 0 0 0 1\n");
+  EXPECT_THAT(read_run(options_, key).problem, HasSubstr("another path"));
 }
 
 TEST_F(MeasureRun, ModeMasksIsGivenTheTrueMasks) {

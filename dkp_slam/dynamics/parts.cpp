@@ -20,8 +20,7 @@ DynamicsOptions as_printed(DynamicsOptions options) {
   return options;
 }
 
-DynamicsParts paper_parts(Camera camera, const DynamicsOptions& all) {
-  const DynamicsOptions options = as_printed(all);
+DynamicsParts paper_parts(Camera camera, const DynamicsOptions& options) {
   camera.readout = 0.0;  // the paper knows of no rolling shutter
   DynamicsParts parts;
   parts.objects = std::make_unique<ObjectTracker>(options.compensation);
@@ -55,7 +54,12 @@ DynamicsParts given_parts(const Camera& camera, const DynamicsOptions& options) 
 
 }  // namespace
 
-DynamicsParts make_parts(const Camera& camera, const DynamicsOptions& options) {
+DynamicsOptions options_of_mode(const DynamicsOptions& options) {
+  return options.mode == DynamicsMode::paper ? as_printed(options) : options;
+}
+
+DynamicsParts make_parts(const Camera& camera, const DynamicsOptions& given) {
+  const DynamicsOptions options = options_of_mode(given);
   if (options.mode == DynamicsMode::off) return {};
   if (options.mode == DynamicsMode::paper) return paper_parts(camera, options);
   if (options.mode == DynamicsMode::masks) return given_parts(camera, options);

@@ -34,6 +34,9 @@ struct DynamicsParts {
   std::vector<std::string> names() const;
 };
 
+/// The options as the mode uses them: `paper` has the paper's own choices where ours are others.
+DynamicsOptions options_of_mode(const DynamicsOptions& options);
+
 /// The one place where a mode is put together; no part knows which mode it works in.
 DynamicsParts make_parts(const Camera& camera, const DynamicsOptions& options);
 

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
+#include "dkp_slam/geometry/ransac.h"
 #include "dkp_slam/geometry/sensor_scale.h"
 
 namespace dkp_slam {
@@ -29,23 +30,47 @@ class Aligner {
 
   std::optional<Alignment> run(std::uint64_t seed) {
     if (with_depth_.size() < least_with_depth) return std::nullopt;
-    cv::RNG random(seed);
-    Alignment best;
-    double needed = options_.samples;
-    for (int i = 0; i < options_.samples && i < needed; ++i) {
-      std::array<std::size_t, 3> sample;
-      for (std::size_t& s : sample) {
-        s = with_depth_[static_cast<std::size_t>(
-            random.uniform(0, static_cast<int>(with_depth_.size())))];
-      }
-      if (!sides_fit(sample)) continue;
-      Alignment found = judge(fit(sample));
-      if (found.inliers <= best.inliers) continue;
-      best = polished(std::move(found));
-      needed = samples_needed(best);
+    random_ = cv::RNG(seed);
+    auto found = ransac<Alignment>(*this, options_.samples, 0);
+    if (found.score < options_.least_inliers) return std::nullopt;
+    return std::move(found.model);
+  }
+
+  /// For `ransac`: the pose of three observations with depth.
+  std::optional<Alignment> sample() {
+    std::array<std::size_t, 3> three;
+    for (std::size_t& s : three) {
+      s = with_depth_[static_cast<std::size_t>(
+          random_.uniform(0, static_cast<int>(with_depth_.size())))];
     }
-    if (best.inliers < options_.least_inliers) return std::nullopt;
-    return best;
+    if (!sides_fit(three)) return std::nullopt;
+    return judge(fit(three));
+  }
+
+  int score(const Alignment& alignment, int /*best*/) const { return alignment.inliers; }
+
+  /// Fitted anew to all inliers for as long as that brings more of them.
+  void refine(Alignment& best, int& inliers) const {
+    constexpr int rounds = 3;
+    for (int i = 0; i < rounds; ++i) {
+      std::vector<std::size_t> members;
+      for (const std::size_t s : with_depth_) {
+        if (best.inlier[s]) members.push_back(s);
+      }
+      if (members.size() < least_with_depth) break;
+      Alignment next = judge(fit(members));
+      if (next.inliers <= best.inliers) break;
+      best = std::move(next);
+    }
+    inliers = best.inliers;
+  }
+
+  double samples_needed(const Alignment& best) const {
+    double members = 0.0;
+    for (const std::size_t s : with_depth_) members += best.inlier[s];
+    const double good = std::pow(members / double(with_depth_.size()), 3.0);
+    if (good >= 1.0) return 1.0;
+    return std::log(1.0 - options_.confidence) / std::log(1.0 - good);
   }
 
  private:
@@ -89,36 +114,13 @@ class Aligner {
     return out;
   }
 
-  /// Fitted anew to all inliers for as long as that brings more of them.
-  Alignment polished(Alignment best) const {
-    constexpr int rounds = 3;
-    for (int i = 0; i < rounds; ++i) {
-      std::vector<std::size_t> members;
-      for (const std::size_t s : with_depth_) {
-        if (best.inlier[s]) members.push_back(s);
-      }
-      if (members.size() < least_with_depth) break;
-      Alignment next = judge(fit(members));
-      if (next.inliers <= best.inliers) break;
-      best = std::move(next);
-    }
-    return best;
-  }
-
-  double samples_needed(const Alignment& best) const {
-    double members = 0.0;
-    for (const std::size_t s : with_depth_) members += best.inlier[s];
-    const double good = std::pow(members / double(with_depth_.size()), 3.0);
-    if (good >= 1.0) return 1.0;
-    return std::log(1.0 - options_.confidence) / std::log(1.0 - good);
-  }
-
   const Camera& camera_;
   const std::span<const PoseObservation> observations_;
   const AlignmentOptions& options_;
   std::vector<Eigen::Vector3d> seen_;  // camera frame; meaningless without depth
   std::vector<double> sigma_;          // of the depth, metres
   std::vector<std::size_t> with_depth_;
+  cv::RNG random_;
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/dynamics/masks/plane.h"
+#include "dkp_slam/geometry/ransac.h"
 
 namespace dkp_slam {
 namespace {
@@ -32,33 +33,46 @@ class PatchFinder {
 
   /// The plane with the most samples; their share is a ninth of its pixels.
   std::optional<Plane> best(int min_samples) {
-    std::optional<Plane> best;
+    if (samples_.empty()) return std::nullopt;
     // A start may hold less than the patch before it is refined.
-    int best_count = min_samples / 4;
-    for (int i = 0; i < options_.iterations && !samples_.empty(); ++i) {
-      const std::optional<Plane> plane = local_plane();
-      if (!plane) continue;
-      const int count = counter_.count(*plane);
-      if (count <= best_count) continue;
-      best_count = count;
-      best = plane;
-      // Three pixels fix a plane near by only: least squares carry it to the patch's far end.
-      for (int step = 0; step < 3; ++step) {
-        const Plane refined = fit_plane(inliers(*best));
-        const int more = counter_.count(refined);
-        if (more <= best_count) break;
-        best_count = more;
-        best = refined;
-      }
-    }
-    if (best_count < min_samples) return std::nullopt;
-    const double bend = bulge(*best);
+    const auto found = ransac<Plane>(*this, options_.iterations, min_samples / 4);
+    if (!found.model || found.score < min_samples) return std::nullopt;
+    const double bend = bulge(*found.model);
     if (bend > options_.max_bulge) return std::nullopt;
     if (bend > options_.doubtful_bulge &&
-        counter_.count(*best, 2.0F) > options_.max_widening * best_count) {
+        counter_.count(*found.model, 2.0F) > options_.max_widening * found.score) {
       return std::nullopt;
     }
-    return best;
+    return found.model;
+  }
+
+  /// For `ransac`: a plane through three pixels some way apart. Near ones are noise, far ones other
+  /// things.
+  std::optional<Plane> sample() {
+    constexpr int reach = 25;  // pixels of the view
+    const Sample& a = samples_[random_() % samples_.size()];
+    const auto offset = [&] { return static_cast<int>(random_() % (2 * reach + 1)) - reach; };
+    Eigen::Vector3f corner[2];
+    for (Eigen::Vector3f& c : corner) {
+      const cv::Point p = a.pixel + cv::Point(offset(), offset());
+      if (!cv::Rect(0, 0, map_.labels.cols, map_.labels.rows).contains(p)) return std::nullopt;
+      if (map_.labels.at<int>(p) != label_) return std::nullopt;
+      c = view_.point(p.x, p.y);
+    }
+    return plane_through(a.point, corner[0], corner[1]);
+  }
+
+  int score(const Plane& plane, int /*best*/) const { return counter_.count(plane); }
+
+  /// Three pixels fix a plane near by only: least squares carry it to the patch's far end.
+  void refine(Plane& plane, int& count) const {
+    for (int step = 0; step < 3; ++step) {
+      const Plane refined = fit_plane(inliers(plane));
+      const int more = counter_.count(refined);
+      if (more <= count) break;
+      count = more;
+      plane = refined;
+    }
   }
 
   bool holds(const Plane& plane, const Eigen::Vector3f& p) const {
@@ -116,21 +130,6 @@ class PatchFinder {
       if (holds(plane, s.point)) points.push_back(s.point);
     }
     return points;
-  }
-
-  /// Plane through three pixels some way apart: near ones are noise, far ones other things.
-  std::optional<Plane> local_plane() {
-    constexpr int reach = 25;  // pixels of the view
-    const Sample& a = samples_[random_() % samples_.size()];
-    const auto offset = [&] { return static_cast<int>(random_() % (2 * reach + 1)) - reach; };
-    Eigen::Vector3f corner[2];
-    for (Eigen::Vector3f& c : corner) {
-      const cv::Point p = a.pixel + cv::Point(offset(), offset());
-      if (!cv::Rect(0, 0, map_.labels.cols, map_.labels.rows).contains(p)) return std::nullopt;
-      if (map_.labels.at<int>(p) != label_) return std::nullopt;
-      c = view_.point(p.x, p.y);
-    }
-    return plane_through(a.point, corner[0], corner[1]);
   }
 
   const DepthView& view_;

@@ -10,6 +10,8 @@
 #include <Eigen/Dense>
 #include <opencv2/core/utility.hpp>
 
+#include "dkp_slam/geometry/ransac.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -36,6 +38,30 @@ Plane least_squares(const std::vector<Eigen::Vector3f>& points) {
   return {normal.cast<float>(), static_cast<float>(normal.dot(mean)), static_cast<float>(extent),
           static_cast<float>(width)};
 }
+
+/// The plane that most of the points lie on, for `ransac`.
+class LargestPlane {
+ public:
+  LargestPlane(const std::vector<Eigen::Vector3f>& points, const PlaneOptions& options,
+               std::mt19937_64& random)
+      : points_(points), random_(random) {
+    for (const Eigen::Vector3f& p : points) counter_.add(p, half_thickness(p.z(), options));
+  }
+
+  std::optional<Plane> sample() {
+    const auto& a = points_[random_() % points_.size()];
+    const auto& b = points_[random_() % points_.size()];
+    const auto& c = points_[random_() % points_.size()];
+    return plane_through(a, b, c);
+  }
+
+  int score(const Plane& plane, int /*best*/) const { return counter_.count(plane); }
+
+ private:
+  const std::vector<Eigen::Vector3f>& points_;
+  std::mt19937_64& random_;
+  InlierCounter counter_;
+};
 
 std::vector<Eigen::Vector3f> sample_points(const DepthView& view, const cv::Mat& exclude) {
   constexpr int stride = 6;  // about 2,000 points of a 640x480 image
@@ -113,26 +139,12 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
   std::vector<Plane> planes;
   std::mt19937_64 random(seed);
   constexpr int min_points = 30;
-  for (int found = 0;
-       found<options.max_planes&& static_cast<int>(points.size())> std::max(min_points, needed);
-       ++found) {
-    InlierCounter counter;
-    for (const Eigen::Vector3f& p : points) counter.add(p, half_thickness(p.z(), options));
-    Plane best;
-    int best_count = 0;
-    for (int i = 0; i < options.iterations; ++i) {
-      const auto& a = points[random() % points.size()];
-      const auto& b = points[random() % points.size()];
-      const auto& c = points[random() % points.size()];
-      const std::optional<Plane> plane = plane_through(a, b, c);
-      if (!plane) continue;
-      const int count = counter.count(*plane);
-      if (count > best_count) {
-        best_count = count;
-        best = *plane;
-      }
-    }
-    if (best_count < std::max(min_points, needed)) break;
+  for (int round = 0; round < options.max_planes; ++round) {
+    if (static_cast<int>(points.size()) <= std::max(min_points, needed)) break;
+    LargestPlane problem(points, options, random);
+    const auto found = ransac<Plane>(problem, options.iterations, 0);
+    if (!found.model || found.score < std::max(min_points, needed)) break;
+    Plane best = *found.model;
     std::vector<Eigen::Vector3f> inliers;
     std::copy_if(points.begin(), points.end(), std::back_inserter(inliers),
                  [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });

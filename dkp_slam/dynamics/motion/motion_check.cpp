@@ -9,6 +9,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "dkp_slam/geometry/ransac.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -77,8 +79,9 @@ double squared_residual(const Camera& camera, const Eigen::Matrix3d& rotation,
 
 /// Truncated squared error over the scored points (MSAC: Torr and Zisserman 2000), and that of what
 /// is expected.
-double score(const Camera& camera, const Se3& motion, std::span<const MotionPoint* const> points,
-             const ExpectedMotion& expected, double limit, double best) {
+double truncated_cost(const Camera& camera, const Se3& motion,
+                      std::span<const MotionPoint* const> points, const ExpectedMotion& expected,
+                      double limit, double best) {
   const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
   double cost = information(expected).dot(off(expected, motion).cwiseAbs2());
   for (const MotionPoint* p : points) {
@@ -87,6 +90,50 @@ double score(const Camera& camera, const Se3& motion, std::span<const MotionPoin
   }
   return cost;
 }
+
+/// The camera's motion that most points agree with, for `ransac`; score: the cost, negative.
+class MotionSearch {
+ public:
+  MotionSearch(const Camera& camera, const std::vector<MotionPoint>& points,
+               const ExpectedMotion& expected, const MotionOptions& options, std::uint64_t seed)
+      : camera_(camera),
+        points_(points),
+        expected_(expected),
+        limit_(options.inlier_distance * options.inlier_distance),
+        random_(seed) {
+    // A fixed stride spreads the scored points as the features are spread.
+    const std::size_t stride =
+        1 + (points.size() - 1) / static_cast<std::size_t>(std::max(1, options.max_scored));
+    for (std::size_t i = 0; i < points.size(); i += stride) scored_.push_back(&points[i]);
+  }
+
+  std::optional<Se3> sample() {
+    std::array<const MotionPoint*, 3> three{};
+    for (auto& s : three) s = &points_[random_() % points_.size()];
+    if (three[0] == three[1] || three[0] == three[2] || three[1] == three[2]) return std::nullopt;
+    Se3 motion = expected_.previous_from_current;
+    constexpr int steps = 3;  // from a motion that is nearly right already
+    for (int s = 0; s < steps; ++s) {
+      if (!gauss_newton_step(camera_, three, std::numeric_limits<double>::infinity(), expected_,
+                             motion)) {
+        return std::nullopt;
+      }
+    }
+    return motion;
+  }
+
+  double score(const Se3& motion, double best) const {
+    return -truncated_cost(camera_, motion, scored_, expected_, limit_, -best);
+  }
+
+ private:
+  const Camera& camera_;
+  const std::vector<MotionPoint>& points_;
+  const ExpectedMotion& expected_;
+  const double limit_;
+  std::mt19937_64 random_;
+  std::vector<const MotionPoint*> scored_;
+};
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -133,36 +180,10 @@ std::optional<CameraMotion> estimate_motion(const Camera& camera,
                                             const ExpectedMotion& expected,
                                             const MotionOptions& options, std::uint64_t seed) {
   if (static_cast<int>(points.size()) < options.min_points) return std::nullopt;
-  std::mt19937_64 random(seed);
-  // A fixed stride spreads the scored points as the features are spread.
-  std::vector<const MotionPoint*> scored;
-  const std::size_t stride =
-      1 + (points.size() - 1) / static_cast<std::size_t>(std::max(1, options.max_scored));
-  for (std::size_t i = 0; i < points.size(); i += stride) scored.push_back(&points[i]);
-
-  const double limit = options.inlier_distance * options.inlier_distance;
+  MotionSearch search(camera, points, expected, options, seed);
   const Se3& guess = expected.previous_from_current;
-  Se3 best = guess;
-  double best_cost =
-      score(camera, guess, scored, expected, limit, std::numeric_limits<double>::infinity());
-  for (int i = 0; i < options.iterations; ++i) {
-    std::array<const MotionPoint*, 3> sample{};
-    for (auto& s : sample) s = &points[random() % points.size()];
-    if (sample[0] == sample[1] || sample[0] == sample[2] || sample[1] == sample[2]) continue;
-    Se3 motion = guess;
-    constexpr int steps = 3;  // from a motion that is nearly right already
-    bool ok = true;
-    for (int s = 0; s < steps && ok; ++s) {
-      ok = gauss_newton_step(camera, sample, std::numeric_limits<double>::infinity(), expected,
-                             motion);
-    }
-    if (!ok) continue;
-    const double cost = score(camera, motion, scored, expected, limit, best_cost);
-    if (cost < best_cost) {
-      best_cost = cost;
-      best = motion;
-    }
-  }
+  const double of_guess = search.score(guess, -std::numeric_limits<double>::infinity());
+  const Se3 best = *ransac<Se3>(search, options.iterations, of_guess, std::optional(guess)).model;
   return refine_motion(camera, points, expected, best, options);
 }
 
