@@ -119,7 +119,7 @@ TEST_F(MeasureRun, OtherSeedsReplayWhatTheFirstDetected) {
   EXPECT_EQ(values(results, "fr1_line", "dkp+", Quantity::ate).size(), 2U);
   EXPECT_EQ(values(results, "fr1_line", "dkp+", Quantity::without_detection_ms).size(), 2U);
   EXPECT_EQ(values(results, "fr1_line", "dkp+", Quantity::peak_memory).size(), 1U);
-  EXPECT_EQ(stage_values(results, "fr1_line", "dkp+", "detection").size(), 1U);
+  EXPECT_EQ(stage_values(results, "fr1_line", "dkp+", "frame").size(), 1U);
 }
 
 TEST_F(MeasureRun, AReplayThatGoesAnotherWayIsAProblem) {
