@@ -29,7 +29,12 @@ class Program {
           std::vector<std::string> environment)
       : out_(folder / "stdout.log"), err_(folder / "stderr.log") {
     arguments.insert(arguments.begin(), DKP_SLAM_PROGRAM);
-    environment.push_back(std::string("PATH=") + std::getenv("PATH"));
+    // What says how to find programs, and what a sanitizer is to do with what it finds.
+    for (const char* name :
+         {"PATH", "ASAN_OPTIONS", "LSAN_OPTIONS", "UBSAN_OPTIONS", "TSAN_OPTIONS"}) {
+      if (const char* value = std::getenv(name))
+        environment.push_back(name + ("=" + std::string(value)));
+    }
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
