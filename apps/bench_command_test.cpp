@@ -204,8 +204,8 @@ TEST_F(BenchCommand, CtrlCKeepsWhatThereIsAndTheSameCommandGoesOn) {
   std::vector<std::string> arguments = small("out", 20);
   arguments.insert(arguments.end(), {"--jobs", "2"});
   const Program program = start(arguments);
-  // Until the first result is there.
-  for (int i = 0; i < 2000 && records().empty(); ++i) {
+  // Until the first result is there, however slow a sanitizer makes it.
+  for (int i = 0; i < 24000 && records().empty(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   program.interrupt();
