@@ -38,6 +38,6 @@ struct DynamicsParts {
 DynamicsOptions options_of_mode(const DynamicsOptions& options);
 
 /// The one place where a mode is put together; no part knows which mode it works in.
-DynamicsParts make_parts(const Camera& camera, const DynamicsOptions& options);
+DynamicsParts make_parts(const Camera& camera, const DynamicsOptions& given);
 
 }  // namespace dkp_slam
