@@ -33,7 +33,7 @@ class Program {
     for (const char* name :
          {"PATH", "ASAN_OPTIONS", "LSAN_OPTIONS", "UBSAN_OPTIONS", "TSAN_OPTIONS"}) {
       if (const char* value = std::getenv(name))
-        environment.push_back(name + ("=" + std::string(value)));
+        environment.push_back(std::string(name) + '=' + value);
     }
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
