@@ -3,8 +3,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -134,14 +132,6 @@ bool add_masks(const MeasureOptions& options, const RunKey& key, const std::stri
              share(masks->iou), share(masks->removed), share(masks->kept));
   results.masks.push_back(*masks);
   return true;
-}
-
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw Error(path.string() + ": cannot read");
-  return text.str();
 }
 
 /// Mode masks is the control: it runs where the true masks are known.

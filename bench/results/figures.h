@@ -14,7 +14,7 @@ namespace dkp_slam::bench {
 /// One run of the program: a sequence, an ablation mode and a seed.
 struct RunKey {
   std::string sequence;
-  std::string mode;  ///< as on the command line: as `bench_modes` has them
+  std::string mode;  ///< as on the command line, see `bench_modes`
   std::uint64_t seed = 1;
 };
 

@@ -23,6 +23,9 @@ struct MeasureOptions {
   std::filesystem::path runs;     ///< a folder per run goes here
 };
 
+/// What a file holds. Throws `Error` when it cannot be read.
+std::string text_of(const std::filesystem::path& path);
+
 /// Camera file of a sequence: as given, else its folder's camera.yaml, else by its name. Throws
 /// `Error` where nothing tells it.
 std::filesystem::path camera_of(const MeasureOptions& options, const std::string& sequence);

@@ -70,13 +70,6 @@ std::vector<std::string> replay_of(const MeasureOptions& options, const RunKey& 
   return command;
 }
 
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 std::map<std::string, std::vector<double>> read_times(const fs::path& folder) {
   return read_timings(text_of(folder / "timings.csv"));
 }
@@ -111,6 +104,14 @@ void set_errors(RunFigures& figures, const Trajectory& truth, const Trajectory& 
 }
 
 }  // namespace
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) throw Error(path.string() + ": cannot read");
+  return text.str();
+}
 
 fs::path camera_of(const MeasureOptions& options, const std::string& sequence) {
   if (const auto given = options.cameras.find(sequence); given != options.cameras.end()) {

@@ -19,8 +19,9 @@ constexpr int least_with_depth = 3;
 class Aligner {
  public:
   Aligner(const Camera& camera, const MeasurementModel& model,
-          std::span<const PoseObservation> observations, const AlignmentOptions& options)
-      : camera_(camera), observations_(observations), options_(options) {
+          std::span<const PoseObservation> observations, const AlignmentOptions& options,
+          std::uint64_t seed)
+      : camera_(camera), observations_(observations), options_(options), random_(seed) {
     for (const PoseObservation& o : observations) {
       seen_.push_back(camera.unproject(o.seen.pixel, o.seen.depth));
       sigma_.push_back(model.depth_sigma(camera, o.seen.depth));
@@ -28,9 +29,8 @@ class Aligner {
     }
   }
 
-  std::optional<Alignment> run(std::uint64_t seed) {
+  std::optional<Alignment> run() {
     if (with_depth_.size() < least_with_depth) return std::nullopt;
-    random_ = cv::RNG(seed);
     auto found = ransac<Alignment>(*this, options_.samples, 0);
     if (found.score < options_.least_inliers) return std::nullopt;
     return std::move(found.model);
@@ -128,7 +128,7 @@ class Aligner {
 std::optional<Alignment> align_camera(const Camera& camera, const MeasurementModel& model,
                                       std::span<const PoseObservation> observations,
                                       const AlignmentOptions& options, std::uint64_t seed) {
-  return Aligner(camera, model, observations, options).run(seed);
+  return Aligner(camera, model, observations, options, seed).run();
 }
 
 }  // namespace dkp_slam
