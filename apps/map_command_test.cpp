@@ -17,6 +17,7 @@
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/map_file.h"
+#include "dkp_slam/map_file/sqlite.h"
 #include "dkp_slam/map_file/test_folder.h"
 
 namespace dkp_slam {
@@ -90,6 +91,20 @@ TEST_F(MapCommand, ARunKeepsItsMapAndTheNextGoesOnWithIt) {
   const auto second = info(map());
   EXPECT_GE(second.at("keyframes"), first.at("keyframes"));
   EXPECT_FALSE(fs::exists(map().string() + "-wal"));
+}
+
+TEST_F(MapCommand, AFileThatHasGivenManyIdsGetsNewOnes) {
+  ASSERT_EQ(call(run_arguments({"--map", map()})), 0) << stderr_;
+  {
+    sqlite::Database database(map(), sqlite::Access::exclusive);
+    database.run("UPDATE meta SET value = 1000000000 WHERE key = 'landmark_ids'");
+  }
+  ASSERT_EQ(call(run_arguments({"--localize", map()})), 0) << stderr_;
+  EXPECT_GE(read_map(map()).map.landmark_ids(), 1'000'000'000) << "only looked at";
+  ASSERT_EQ(call(run_arguments({"--map", map()})), 0) << stderr_;
+  const Map after = read_map(map()).map;
+  EXPECT_LT(after.landmark_ids(), 100'000);
+  EXPECT_GT(after.live_landmarks(), 100);
 }
 
 TEST_F(MapCommand, LocalizingLeavesTheFileAsItIs) {

@@ -3,10 +3,17 @@
 #include <spdlog/spdlog.h>
 
 #include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/map/map_snapshot.h"
 #include "dkp_slam/system/scaled_config.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
+namespace {
+
+/// A file with more is given new ones when a run goes on with it.
+constexpr int many_landmark_ids = most_landmark_ids / 10;
+
+}  // namespace
 
 RunMap::RunMap(const fs::path& map, const fs::path& localize, const SlamConfig& config)
     : file_(map) {
@@ -24,11 +31,18 @@ RunMap::RunMap(const fs::path& map, const fs::path& localize, const SlamConfig& 
 
 std::optional<Map> RunMap::take_stored() {
   if (!stored_) return std::nullopt;
-  return std::move(stored_->map);
+  if (file_.empty() || stored_->map.landmark_ids() < many_landmark_ids) {
+    return std::move(stored_->map);
+  }
+  Map renumbered(with_new_landmark_ids(parts_of(stored_->map)));
+  writer_ = std::make_unique<MapWriter>(file_, std::move(stored_->state));
+  writer_->update(renumbered);
+  return renumbered;
 }
 
 bool RunMap::begin(const SlamConfig& config) {
   if (file_.empty()) return false;
+  if (writer_) return true;
   writer_ = stored_ ? std::make_unique<MapWriter>(file_, std::move(stored_->state))
                     : std::make_unique<MapWriter>(file_, Map(config.camera, config.orb.scale,
                                                              scaled_to_camera(config).orb.levels));
@@ -36,6 +50,11 @@ bool RunMap::begin(const SlamConfig& config) {
 }
 
 void RunMap::on_map(const MapChange& change) {
+  if (!warned_ && change.landmark_ids > most_landmark_ids / 2) {
+    warned_ = true;
+    spdlog::warn("{}: half of all numbers for landmarks are given; another run with it starts anew",
+                 file_.string());
+  }
   guard([&] { writer_->write(change); });
 }
 

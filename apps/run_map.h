@@ -19,7 +19,8 @@ class RunMap : public FileObserver {
   RunMap(const std::filesystem::path& map, const std::filesystem::path& localize,
          const SlamConfig& config);
 
-  /// The map that was read; once.
+  /// The map that was read; once. Where its landmarks' ids are many they are counted anew, in the
+  /// file as well. Throws `Error` when that cannot be written.
   std::optional<Map> take_stored();
   /// Makes or takes hold of the file; false where the run keeps none. From here on the file follows
   /// the map as this observer is told. Throws `Error` when it cannot be written.
@@ -33,6 +34,7 @@ class RunMap : public FileObserver {
   const std::filesystem::path file_;  // to keep up to date; empty for none
   std::optional<StoredMap> stored_;
   std::unique_ptr<MapWriter> writer_;  // the observer's thread's, between `begin` and `finish`
+  bool warned_ = false;                // that ids get few
 };
 
 }  // namespace dkp_slam::apps

@@ -4,6 +4,9 @@
 #include <cassert>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "dkp_slam/error.h"
 #include "dkp_slam/map/id_map.h"
 
 namespace dkp_slam {
@@ -26,6 +29,7 @@ const Item* find_id(const std::vector<Item>& ascending, int id) {
 
 Map::Map(const Camera& camera, float level_scale, int levels)
     : camera_(camera), level_scale_(level_scale), log_scale_(std::log(level_scale)) {
+  gone_.removed = true;
   float scale = 1.0F;
   for (int i = 0; i < levels; ++i, scale *= level_scale) scales_.push_back(scale);
 }
@@ -40,17 +44,14 @@ Map::Map(MapParts parts) : Map(parts.camera, parts.level_scale, parts.levels) {
     const int id = l.id;
     landmarks_.set(id, LandmarkSlot(std::move(l)));
   }
-  for (int id = 0; id < parts.keyframe_ids; ++id) {
-    keyframes_.emplace_back();
-    keyframes_.back().id = id;
-    keyframes_.back().removed = true;
-  }
+  slots_.assign(static_cast<std::size_t>(parts.keyframe_ids), -1);
   for (Keyframe& k : parts.keyframes) {
     for (std::size_t f = 0; f < k.landmarks.size(); ++f) {
       if (k.landmarks[f] >= 0)
         landmark(k.landmarks[f]).sightings.push_back({k.id, static_cast<int>(f)});
     }
-    keyframe(k.id) = std::move(k);
+    slots_[static_cast<std::size_t>(k.id)] = static_cast<int>(keyframes_.size());
+    keyframes_.push_back(std::move(k));
   }
   for (Keyframe& k : keyframes_) {
     const std::map<int, int> shared = shared_landmarks(k.id);
@@ -141,6 +142,7 @@ void Map::follow(const MapMove& move, Landmark& l) const {
 int Map::add_keyframe(Keyframe keyframe) {
   keyframe.id = keyframe_ids();
   keyframe.map = current_map_;
+  slots_.push_back(static_cast<int>(keyframes_.size()));
   keyframes_.push_back(std::move(keyframe));
   ++live_keyframes_;
   ++live_in_map_[static_cast<std::size_t>(current_map_)];
@@ -155,6 +157,12 @@ int Map::add_keyframe(Keyframe keyframe) {
 }
 
 int Map::add_landmark(const Eigen::Vector3d& position, int keyframe_id, int feature) {
+  if (landmark_ids_ >= most_landmark_ids) {
+    throw Error(
+        fmt::format("the map has given all its {} numbers for landmarks; end the run and go "
+                    "on with its file, which numbers them anew",
+                    most_landmark_ids));
+  }
   const int id = landmark_ids_++;
   Landmark added;
   added.id = id;
@@ -340,7 +348,8 @@ int Map::predicted_level(const Landmark& l, double distance) const {
 }
 
 std::size_t Map::memory() const {
-  std::size_t bytes = landmarks_.memory() + replaced_by_.memory() + fused_.size() * sizeof(int);
+  std::size_t bytes = landmarks_.memory() + replaced_by_.memory() + fused_.size() * sizeof(int) +
+                      slots_.capacity() * sizeof(int);
   for (const int id : landmarks()) {
     bytes += sizeof(Landmark) + landmark(id).sightings.capacity() * sizeof(Sighting);
   }

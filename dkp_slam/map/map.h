@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "dkp_slam/geometry/camera.h"
@@ -34,8 +35,11 @@ class Map {
   /// which not even the pose is known any more, and of removed landmarks.
   explicit Map(MapParts parts);
 
-  Keyframe& keyframe(int id) { return keyframes_[static_cast<std::size_t>(id)]; }
-  const Keyframe& keyframe(int id) const { return keyframes_[static_cast<std::size_t>(id)]; }
+  Keyframe& keyframe(int id) { return const_cast<Keyframe&>(std::as_const(*this).keyframe(id)); }
+  const Keyframe& keyframe(int id) const {
+    const int slot = slots_[static_cast<std::size_t>(id)];
+    return slot < 0 ? gone_ : keyframes_[static_cast<std::size_t>(slot)];
+  }
   /// Only while `has_landmark`: of a removed one nothing is kept.
   Landmark& landmark(int id) { return up_to_date(*landmarks_[id]); }
   const Landmark& landmark(int id) const { return up_to_date(*landmarks_[id]); }
@@ -44,7 +48,7 @@ class Map {
   std::vector<int> landmarks() const { return landmarks_.ids(); }
 
   /// Ids of all keyframes run from 0 to this; removed ones among them.
-  int keyframe_ids() const { return static_cast<int>(keyframes_.size()); }
+  int keyframe_ids() const { return static_cast<int>(slots_.size()); }
   int landmark_ids() const { return landmark_ids_; }
   int live_keyframes() const { return live_keyframes_; }
   int live_keyframes_in(int map) const { return live_in_map_[static_cast<std::size_t>(map)]; }
@@ -72,7 +76,8 @@ class Map {
 
   /// Takes the keyframe's features and landmark ids, and enters the sightings.
   int add_keyframe(Keyframe keyframe);
-  /// A new landmark, seen by one feature of one keyframe that has no landmark yet.
+  /// A new landmark, seen by one feature of one keyframe that has no landmark yet. Throws `Error`
+  /// when no id is left (most_landmark_ids).
   int add_landmark(const Eigen::Vector3d& position, int keyframe, int feature);
   void add_sighting(int landmark, int keyframe, int feature);
   void remove_sighting(int landmark, int keyframe);
@@ -149,6 +154,8 @@ class Map {
   std::vector<float> scales_;
   float log_scale_;
   std::deque<Keyframe> keyframes_;
+  std::vector<int> slots_;  // by id: where in `keyframes_`; -1 for those gone before it was loaded
+  Keyframe gone_;           // stands for them
   IdTable<LandmarkSlot> landmarks_;
   IdTable<int> replaced_by_;  // the landmark that one was fused into
   std::deque<int> fused_;     // whose fusion is known, in the order in which they were fused

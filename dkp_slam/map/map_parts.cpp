@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
 namespace dkp_slam {
 namespace {
-
-// Bounds of what is plausible: a wrong number must not make the program ask for all memory.
-constexpr int most_keyframe_ids = 10'000'000;
-constexpr int most_landmark_ids = 200'000'000;
 
 bool plausible(const Se3& pose) {
   return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
@@ -28,16 +25,14 @@ bool ids_in_order(const std::vector<Item>& items, int ids) {
   return true;
 }
 
-/// Which ids of `ids` the items have.
+/// Where in the ascending items the one with this id is; -1 where none has it. By searching: how
+/// many ids there are is a number in a file, how many items its length.
 template <class Item>
-std::vector<char> present(const std::vector<Item>& items, int ids) {
-  std::vector<char> flags(static_cast<std::size_t>(ids), 0);
-  for (const Item& item : items) flags[static_cast<std::size_t>(item.id)] = 1;
-  return flags;
-}
-
-bool has(const std::vector<char>& flags, int id) {
-  return id >= 0 && id < static_cast<int>(flags.size()) && flags[static_cast<std::size_t>(id)];
+int index_of(const std::vector<Item>& ascending, int id) {
+  const auto it = std::lower_bound(ascending.begin(), ascending.end(), id,
+                                   [](const Item& item, int wanted) { return item.id < wanted; });
+  if (it == ascending.end() || it->id != id) return -1;
+  return static_cast<int>(it - ascending.begin());
 }
 
 std::optional<std::string> problem_of(const FrameFeatures& features, int levels) {
@@ -57,24 +52,23 @@ std::optional<std::string> problem_of(const FrameFeatures& features, int levels)
 }
 
 /// True when some keyframe is its own ancestor.
-bool has_cycle(const std::vector<Keyframe>& keyframes, int ids) {
-  std::vector<int> parent(static_cast<std::size_t>(ids), -1);
-  for (const Keyframe& k : keyframes) parent[static_cast<std::size_t>(k.id)] = k.parent;
-  std::vector<int> visit(static_cast<std::size_t>(ids), -1);  // the walk that came by first
-  for (const Keyframe& start : keyframes) {
-    for (int k = start.id; k >= 0; k = parent[static_cast<std::size_t>(k)]) {
+bool has_cycle(const std::vector<Keyframe>& keyframes) {
+  std::vector<int> parent;  // as indices
+  for (const Keyframe& k : keyframes) parent.push_back(index_of(keyframes, k.parent));
+  std::vector<int> visit(keyframes.size(), -1);  // the walk that came by first
+  for (int start = 0; start < std::ssize(keyframes); ++start) {
+    for (int k = start; k >= 0; k = parent[static_cast<std::size_t>(k)]) {
       int& seen = visit[static_cast<std::size_t>(k)];
-      if (seen == start.id) return true;
+      if (seen == start) return true;
       if (seen >= 0) break;
-      seen = start.id;
+      seen = start;
     }
   }
   return false;
 }
 
-/// `last_seen_by`: per landmark, the keyframe of the checked ones that saw it last.
+/// `last_seen_by`: per landmark of the list, the keyframe of the checked ones that saw it last.
 std::optional<std::string> problem_of(const Keyframe& k, const MapParts& parts,
-                                      const std::vector<char>& has_landmark,
                                       std::vector<int>& last_seen_by) {
   if (k.map < 0 || k.map >= parts.maps) return fmt::format("it belongs to no map ({})", k.map);
   if (!std::isfinite(k.timestamp)) return "its time stamp is no number";
@@ -84,8 +78,9 @@ std::optional<std::string> problem_of(const Keyframe& k, const MapParts& parts,
     return "it has not as many landmark ids as features";
   for (const int l : k.landmarks) {
     if (l == -1) continue;
-    if (!has(has_landmark, l)) return fmt::format("it sees landmark {}, which is not there", l);
-    int& seen_by = last_seen_by[static_cast<std::size_t>(l)];
+    const int index = index_of(parts.landmarks, l);
+    if (index < 0) return fmt::format("it sees landmark {}, which is not there", l);
+    int& seen_by = last_seen_by[static_cast<std::size_t>(index)];
     if (seen_by == k.id) return fmt::format("it sees landmark {} twice", l);
     seen_by = k.id;
   }
@@ -119,26 +114,37 @@ std::optional<std::string> MapParts::check() const {
   if (!ids_in_order(keyframes, keyframe_ids)) return "the keyframes' ids are out of range";
   if (!ids_in_order(landmarks, landmark_ids)) return "the landmarks' ids are out of range";
 
-  const std::vector<char> has_landmark = present(landmarks, landmark_ids);
-  const std::vector<char> has_keyframe = present(keyframes, keyframe_ids);
-  std::vector<int> last_seen_by(static_cast<std::size_t>(landmark_ids), -1);
+  std::vector<int> last_seen_by(landmarks.size(), -1);
   for (const Keyframe& k : keyframes) {
-    if (const auto problem = problem_of(k, *this, has_landmark, last_seen_by))
+    if (const auto problem = problem_of(k, *this, last_seen_by))
       return fmt::format("keyframe {}: {}", k.id, *problem);
-    if (k.parent != -1 && !has(has_keyframe, k.parent))
+    if (k.parent != -1 && index_of(keyframes, k.parent) < 0)
       return fmt::format("keyframe {}: its parent {} is not there", k.id, k.parent);
   }
-  if (has_cycle(keyframes, keyframe_ids)) return "a keyframe is its own ancestor";
-  for (const Landmark& l : landmarks) {
-    if (const auto problem = problem_of(l, *this))
-      return fmt::format("landmark {}: {}", l.id, *problem);
-    if (last_seen_by[static_cast<std::size_t>(l.id)] < 0)
-      return fmt::format("landmark {}: no keyframe sees it", l.id);
+  if (has_cycle(keyframes)) return "a keyframe is its own ancestor";
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const int id = landmarks[i].id;
+    if (const auto problem = problem_of(landmarks[i], *this))
+      return fmt::format("landmark {}: {}", id, *problem);
+    if (last_seen_by[i] < 0) return fmt::format("landmark {}: no keyframe sees it", id);
   }
   return std::nullopt;
 }
 
+MapParts with_new_landmark_ids(MapParts parts) {
+  for (Keyframe& k : parts.keyframes) {
+    for (int& l : k.landmarks) l = index_of(parts.landmarks, l);
+  }
+  for (std::size_t i = 0; i < parts.landmarks.size(); ++i) {
+    parts.landmarks[i].id = static_cast<int>(i);
+  }
+  parts.landmark_ids = static_cast<int>(parts.landmarks.size());
+  return parts;
+}
+
 MapParts merged(MapParts a, MapParts b) {
+  a = with_new_landmark_ids(std::move(a));
+  b = with_new_landmark_ids(std::move(b));
   for (Keyframe& k : b.keyframes) {
     k.id += a.keyframe_ids;
     k.map += a.maps;

@@ -10,6 +10,12 @@
 
 namespace dkp_slam {
 
+/// Of the ids that a map gives: numbers in a file that are beyond these are wrong ones, and none
+/// are written. Of landmarks 3000 a second come and go, so that it is a week of mapping, and where
+/// one file is gone on with they are counted anew (with_new_landmark_ids).
+inline constexpr int most_keyframe_ids = 10'000'000;
+inline constexpr int most_landmark_ids = 1'900'000'000;
+
 /// What a map is made of, as plain values: all that cannot be computed from the rest.
 struct MapParts {
   Camera camera;
@@ -32,12 +38,16 @@ struct MapParts {
   std::optional<std::string> check() const;
 };
 
+/// The same map with its landmarks' ids counted from 0 anew, in their order. Nine in ten landmarks
+/// go within seconds, and their ids with them.
+MapParts with_new_landmark_ids(MapParts parts);
+
 /// False for what no feature's place can be, NaN among it.
 bool is_pixel(const cv::Point2f& point);
 
 /// Both side by side, as maps of their own. What belongs to `b` gets other ids: keyframes,
-/// landmarks and maps are counted on from those of `a`. Cameras must be alike (see difference_of).
-/// New keyframes go to where they went in `b`.
+/// landmarks and maps are counted on from those of `a`; ids of landmarks are new in both. Cameras
+/// must be alike (see difference_of). New keyframes go to where they went in `b`.
 MapParts merged(MapParts a, MapParts b);
 
 /// What differs between two cameras so that a map made with one is none for the other, one line

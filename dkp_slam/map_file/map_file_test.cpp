@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/map/map_snapshot.h"
 #include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/map_file/sqlite.h"
@@ -364,8 +365,65 @@ TEST_F(MapFile, MergedMapsLieSideBySide) {
   EXPECT_EQ(map.keyframe(shift + 3).map, a.map.maps());
   EXPECT_EQ(map.keyframe_pose(shift + 3).translation, b.map.keyframe_pose(3).translation);
   EXPECT_EQ(map.keyframe(shift + 3).landmarks.size(), 60U);
-  EXPECT_EQ(map.landmarks_of(map.keyframes_in(a.map.maps())).front(),
-            a.map.landmark_ids() + b.map.landmarks_of(b.map.keyframes_in(0)).front());
+  // Landmarks are counted anew, those of the second after those of the first.
+  EXPECT_EQ(map.landmark_ids(), map.live_landmarks());
+  EXPECT_EQ(map.landmarks_of(map.keyframes_in(a.map.maps())).front(), a.map.live_landmarks());
+}
+
+TEST_F(MapFile, NumbersOfIdsCostLittle) {
+  GrowingMap grown;
+  grown.grow_to(10);
+  save_map(file_, grown.map);
+  {
+    Database database(file_, Access::exclusive);
+    database.run("UPDATE meta SET value = 10000000 WHERE key = 'keyframe_ids'");
+    database.run("UPDATE meta SET value = 1900000000 WHERE key = 'landmark_ids'");
+  }
+  StoredMap stored = read_map(file_);
+  EXPECT_EQ(stored.map.keyframe_ids(), 10'000'000);
+  EXPECT_EQ(stored.map.live_keyframes(), grown.map.live_keyframes());
+  EXPECT_TRUE(stored.map.keyframe(9'999'999).removed);
+  EXPECT_LT(stored.map.memory(), grown.map.memory() + 10'000'000 * 2 * sizeof(int));
+  const int keyframe = stored.map.keyframes_in(0).front();
+  EXPECT_THROW(stored.map.add_landmark({0.0, 0.0, 1.0}, keyframe, 0), Error) << "the last is given";
+}
+
+TEST_F(MapFile, WhatTheReaderRefusesIsNotWritten) {
+  GrowingMap grown;
+  grown.grow_to(5);
+  save_map(file_, grown.map);
+  MapParts parts = parts_of(grown.map);
+  parts.keyframe_ids = most_keyframe_ids + 1;
+  const fs::path other = folder_ / "other.map";
+  EXPECT_THROW(save_map(other, Map(parts)), Error);
+  EXPECT_FALSE(fs::exists(other));
+  StoredMap stored = read_map(file_);
+  MapWriter writer(file_, std::move(stored.state));
+  EXPECT_THROW(writer.update(Map(parts)), Error);
+  writer.finish();
+  EXPECT_EQ(read_map(file_).map.keyframe_ids(), grown.map.keyframe_ids());
+}
+
+TEST_F(MapFile, LandmarksAreNumberedAnewInTheFile) {
+  GrowingMap grown;
+  grown.grow_to(20);
+  save_map(file_, grown.map);
+  StoredMap stored = read_map(file_);
+  const Map renumbered(with_new_landmark_ids(parts_of(stored.map)));
+  EXPECT_LT(renumbered.landmark_ids(), stored.map.landmark_ids()) << "else this shows nothing";
+  MapWriter writer(file_, std::move(stored.state));
+  writer.update(renumbered);
+  writer.finish();
+  const Map read = read_map(file_).map;
+  EXPECT_EQ(read.landmark_ids(), grown.map.live_landmarks());
+  const std::vector<int> before = grown.map.landmarks(), after = read.landmarks();
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_EQ(after[i], static_cast<int>(i));
+    EXPECT_EQ(read.landmark(after[i]).position, grown.map.landmark(before[i]).position);
+    EXPECT_EQ(read.landmark(after[i]).sightings.size(),
+              grown.map.landmark(before[i]).sightings.size());
+  }
 }
 
 }  // namespace

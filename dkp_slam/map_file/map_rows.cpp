@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dkp_slam/error.h"
 #include "dkp_slam/version.h"
 
 namespace dkp_slam {
@@ -190,8 +191,10 @@ void read_keyframes(Database& database, MapParts& parts) {
     k.map = row.small_integer(1);
     k.frame_index = row.small_integer(2);
     k.timestamp = row.real(3);
-    k.camera_from_world.rotation.coeffs() << row.real(4), row.real(5), row.real(6), row.real(7);
-    k.camera_from_world.translation << row.real(8), row.real(9), row.real(10);
+    // Not by Eigen's <<, which asserts that it came to its end, also where a value throws.
+    k.camera_from_world.rotation =
+        Eigen::Quaterniond(row.real(7), row.real(4), row.real(5), row.real(6));
+    k.camera_from_world.translation = Eigen::Vector3d(row.real(8), row.real(9), row.real(10));
     k.parent = row.null(11) ? -1 : row.small_integer(11);
     if (!looks.step() || looks.small_integer(0) != k.id) {
       sqlite::throw_damaged(database.file(),
@@ -209,7 +212,7 @@ void read_landmarks(Database& database, MapParts& parts) {
   while (row.step()) {
     Landmark l;
     l.id = row.small_integer(0);
-    l.position << row.real(1), row.real(2), row.real(3);
+    l.position = Eigen::Vector3d(row.real(1), row.real(2), row.real(3));
     l.first_keyframe = row.small_integer(4);
     l.visible = row.small_integer(5);
     l.found = row.small_integer(6);
@@ -234,7 +237,11 @@ void create_map_tables(Database& database, const Camera& camera, float level_sca
   sqlite::Transaction transaction(database);
   database.run(schema);
   set_meta(database, "program_version", std::string_view(DKP_SLAM_VERSION));
-  set_meta(database, "camera", std::string_view(to_json(camera, level_scale, levels).dump()));
+  // The camera's name may hold bytes that are no UTF-8, which JSON must not.
+  const std::string description =
+      to_json(camera, level_scale, levels)
+          .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  set_meta(database, "camera", std::string_view(description));
   set_meta(database, "revision", 0);
   MapChange nothing;
   write_counts(database, nothing);
@@ -243,6 +250,13 @@ void create_map_tables(Database& database, const Camera& camera, float level_sca
 }
 
 void write_change(Database& database, const MapChange& change) {
+  // What the reader refuses is not written.
+  if (change.keyframe_ids > most_keyframe_ids || change.landmark_ids > most_landmark_ids) {
+    throw Error(
+        fmt::format("{}: the map has given all its numbers for keyframes ({}) or landmarks "
+                    "({}); the file holds what came before, go on with it in a new run",
+                    database.file().string(), +most_keyframe_ids, +most_landmark_ids));
+  }
   sqlite::Transaction transaction(database);
   remove_rows(database, "DELETE FROM keyframes WHERE id = ?", change.removed_keyframes);
   remove_rows(database, "DELETE FROM features WHERE keyframe = ?", change.removed_keyframes);

@@ -31,11 +31,14 @@ MapWriter::MapWriter(const fs::path& file, MapFileState state) : state_(std::mov
 }
 
 void MapWriter::write(const MapChange& change) {
-  if (!change.empty()) write_change(*database_, change);
+  if (change.empty()) return;
+  database_->check_in_place();
+  write_change(*database_, change);
 }
 
 void MapWriter::finish() {
   if (!database_) return;
+  database_->check_in_place();
   database_->checkpoint();
   database_.reset();
 }

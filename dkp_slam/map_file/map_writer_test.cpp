@@ -1,5 +1,6 @@
 #include "dkp_slam/map_file/map_writer.h"
 
+#include <fstream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -152,6 +153,20 @@ TEST_F(Writing, TheFileMustBeTheOneThatWasRead) {
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_THAT(std::string(error.what()), HasSubstr("another process has changed it"));
+  }
+}
+
+TEST_F(Writing, AFileThatWasTakenAwayIsNoticed) {
+  GrowingMap grown;
+  for (const bool replaced : {false, true}) {
+    MapWriter writer(file_, grown.map);
+    writer.update(grown.map);
+    fs::rename(file_, folder_ / "elsewhere");
+    if (replaced) std::ofstream(file_) << "another file";
+    grown.grow_to(grown.steps() + 1);
+    EXPECT_THROW(writer.update(grown.map), Error) << replaced;
+    EXPECT_THROW(writer.finish(), Error) << replaced;
+    fs::remove(folder_ / "elsewhere");
   }
 }
 

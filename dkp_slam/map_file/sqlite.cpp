@@ -92,6 +92,17 @@ void Database::checkpoint() {
   if (code != SQLITE_OK) fail(code, "cannot be completed");
 }
 
+void Database::check_in_place() const {
+  int moved = 0;
+  const int code = sqlite3_file_control(handle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+  if (code == SQLITE_OK && moved != 0) {
+    throw Error(
+        fmt::format("{}: was deleted, moved or replaced while it was written; give another "
+                    "name, and leave the file alone",
+                    file_.string()));
+  }
+}
+
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
 Statement::Statement(Database& database, const char* sql) : database_(database) {

@@ -37,6 +37,9 @@ class Database {
   void run(const char* sql);
   /// Moves everything from the log into the file.
   void checkpoint();
+  /// Throws when there is no longer this file under its name: it was deleted, moved or replaced,
+  /// and what is written reaches nobody.
+  void check_in_place() const;
   /// For errors, what was asked being `what`.
   [[noreturn]] void fail(int code, std::string_view what) const;
   const std::filesystem::path& file() const { return file_; }
