@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cassert>
 #include <condition_variable>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -51,16 +52,18 @@ class Worker {
   /// True when `take` would not wait.
   bool finished() const {
     const std::lock_guard lock(mutex_);
-    return solution_.has_value();
+    return solution_ || failure_;
   }
-  /// Waits for the solution.
+  /// Waits for the solution. Throws what solving threw; the next problem may be submitted all the
+  /// same.
   Solution take() {
     assert(pending_);
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return solution_.has_value(); });
+    changed_.wait(lock, [&] { return solution_ || failure_; });
+    pending_ = false;
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     Solution solution = std::move(*solution_);
     solution_.reset();
-    pending_ = false;
     return solution;
   }
   /// Drops what was submitted, solved or not, without waiting for anything.
@@ -70,6 +73,7 @@ class Worker {
     *stop_ = true;
     job_.reset();
     solution_.reset();
+    failure_ = nullptr;
     pending_ = false;
   }
 
@@ -88,10 +92,17 @@ class Worker {
       Problem problem = std::move(job_->problem);
       job_.reset();
       lock.unlock();
-      Solution solution = solve_(std::move(problem), *stop);
+      std::optional<Solution> solution;
+      std::exception_ptr failure;
+      try {
+        solution.emplace(solve_(std::move(problem), *stop));
+      } catch (...) {
+        failure = std::current_exception();
+      }
       lock.lock();
       if (*stop) continue;
       solution_ = std::move(solution);
+      failure_ = failure;
       changed_.notify_all();
     }
   }
@@ -103,6 +114,7 @@ class Worker {
   std::condition_variable changed_;
   std::optional<Job> job_;
   std::optional<Solution> solution_;
+  std::exception_ptr failure_;  // in its place
   bool closing_ = false;
   std::thread thread_;
 };

@@ -1,5 +1,7 @@
 #include "dkp_slam/mapping/worker.h"
 
+#include <new>
+
 #include <gtest/gtest.h>
 
 namespace dkp_slam {
@@ -47,6 +49,21 @@ TEST(WorkerTest, ASolutionThatWaitsCanBeAbandoned) {
   EXPECT_FALSE(doubler.worker.finished());
   doubler.worker.submit(5);
   EXPECT_EQ(doubler.worker.take(), 10);
+}
+
+TEST(WorkerTest, WhatSolvingThrowsIsThrownWhereItIsTaken) {
+  Worker<int, int> worker([](int problem, const std::atomic<bool>&) {
+    if (problem == 1) throw std::bad_alloc();
+    return problem;
+  });
+  worker.submit(1);
+  EXPECT_THROW(worker.take(), std::bad_alloc);
+  EXPECT_FALSE(worker.pending());
+  worker.submit(1);
+  while (!worker.finished()) std::this_thread::yield();
+  worker.abandon();
+  worker.submit(3);
+  EXPECT_EQ(worker.take(), 3);
 }
 
 TEST(WorkerTest, ItsEndStopsWhatIsUnderWay) {

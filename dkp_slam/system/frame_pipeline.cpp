@@ -21,11 +21,18 @@ FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOption
       detected_(line_capacity),
       newest_frame_(1),
       newest_detections_(1) {
-  threads_.emplace_back([this] { extract(); });
-  threads_.emplace_back([this] { live_ ? detect_newest() : detect(); });
+  try {
+    threads_.emplace_back([this] { extract(); });
+    threads_.emplace_back([this] { live_ ? detect_newest() : detect(); });
+  } catch (...) {  // no thread was to be had
+    end();
+    throw;
+  }
 }
 
-FramePipeline::~FramePipeline() {
+FramePipeline::~FramePipeline() { end(); }
+
+void FramePipeline::end() {
   stop();
   for (std::thread& t : threads_) t.join();
 }
@@ -51,7 +58,8 @@ bool FramePipeline::push(RgbdFrame frame) {
 std::optional<PreparedFrame> FramePipeline::next() {
   std::optional<PreparedFrame> frame = live_ ? extracted_.pop() : detected_.pop();
   if (!frame) {
-    if (feature_error_) std::rethrow_exception(feature_error_);
+    const std::lock_guard lock(error_mutex_);
+    if (error_) std::rethrow_exception(error_);
     return std::nullopt;
   }
   if (live_) {
@@ -78,29 +86,45 @@ void FramePipeline::extract() {
       }
     }
   } catch (...) {
-    feature_error_ = std::current_exception();
-    incoming_.close();
+    note_error();
   }
   extracted_.close();
   newest_frame_.close();
 }
 
 void FramePipeline::detect() {
-  while (std::optional<PreparedFrame> prepared = extracted_.pop()) {
-    const Stopwatch watch;
-    prepared->detections = run_detector(prepared->frame);
-    prepared->detection_ms = watch.ms();
-    if (!detected_.push(std::move(*prepared))) return;
+  try {
+    while (std::optional<PreparedFrame> prepared = extracted_.pop()) {
+      const Stopwatch watch;
+      prepared->detections = run_detector(prepared->frame);
+      prepared->detection_ms = watch.ms();
+      if (!detected_.push(std::move(*prepared))) return;
+    }
+  } catch (...) {
+    note_error();
+    extracted_.close();
   }
   detected_.close();
 }
 
 void FramePipeline::detect_newest() {
-  while (std::optional<RgbdFrame> frame = newest_frame_.pop()) {
-    const Stopwatch watch;
-    DetectionResult result = run_detector(*frame);
-    if (result.answered) newest_detections_.push_newest({std::move(result), watch.ms()});
+  try {
+    while (std::optional<RgbdFrame> frame = newest_frame_.pop()) {
+      const Stopwatch watch;
+      DetectionResult result = run_detector(*frame);
+      if (result.answered) newest_detections_.push_newest({std::move(result), watch.ms()});
+    }
+  } catch (...) {
+    note_error();
   }
+}
+
+void FramePipeline::note_error() {
+  {
+    const std::lock_guard lock(error_mutex_);
+    if (!error_) error_ = std::current_exception();
+  }
+  incoming_.close();
 }
 
 DetectionResult FramePipeline::run_detector(const RgbdFrame& frame) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <exception>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -50,18 +51,20 @@ class FramePipeline {
   void close_input() { incoming_.close(); }
   /// Ends at once: nothing comes any more, not even what was under way.
   void stop();
-  /// The next frame; nothing at the end. Throws what the feature extraction threw, after the frames
-  /// before it, and again on every later call.
+  /// The next frame; nothing at the end. Throws what ended a stage (the feature extraction threw,
+  /// memory ran out), after the frames before it, and again on every later call.
   std::optional<PreparedFrame> next();
 
   int dropped_frames() const { return dropped_frames_; }  ///< live, too late
   int detector_failures() const { return detector_failures_; }
 
  private:
+  void end();
   void extract();
   void detect();
   void detect_newest();
   DetectionResult run_detector(const RgbdFrame& frame);
+  void note_error();
   void give_up_detector(int frame_index, const char* reason);
 
   const OrbOptions orb_;
@@ -70,7 +73,8 @@ class FramePipeline {
   BoundedQueue<PreparedFrame> incoming_, extracted_, detected_;
   BoundedQueue<RgbdFrame> newest_frame_;
   BoundedQueue<std::pair<DetectionResult, double>> newest_detections_;
-  std::exception_ptr feature_error_;  // written before the stage's queue closes
+  std::mutex error_mutex_;
+  std::exception_ptr error_;  // the first that ended a stage; written before its queue closes
   std::atomic<int> dropped_frames_{0};
   std::atomic<int> detector_failures_{0};
   std::vector<std::thread> threads_;

@@ -3,6 +3,9 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <new>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -80,6 +83,27 @@ TEST(FramePipeline, AnImageThatCannotBeWorkedOnIsAnErrorAfterTheFramesBefore) {
   EXPECT_THROW(pipeline.next(), cv::Exception);
   EXPECT_THROW(pipeline.next(), cv::Exception);
   EXPECT_FALSE(pipeline.push(noise_frame(2)));  // and nobody waits for room that never comes
+}
+
+/// Throws where nobody expects it, as everything may when memory runs out.
+class NamelessDetector : public Detector {
+ public:
+  std::string name() const override { throw std::bad_alloc(); }
+  std::vector<Detection> detect(const RgbdFrame&) override { throw Error("no detections"); }
+};
+
+TEST(FramePipeline, WhatEndsTheDetectorsThreadIsAnError) {
+  for (const bool mode : {offline, live}) {
+    FramePipeline pipeline(std::make_unique<NamelessDetector>(), {}, mode);
+    pipeline.push(noise_frame(0));
+    const auto take_all = [&] {
+      while (pipeline.next()) {
+      }
+    };
+    EXPECT_THROW(take_all(), std::bad_alloc);
+    EXPECT_THROW(pipeline.next(), std::bad_alloc) << "and again";
+    EXPECT_FALSE(pipeline.push(noise_frame(1)));
+  }
 }
 
 TEST(FramePipeline, EndsInTheMiddle) {
