@@ -277,11 +277,14 @@ TEST_F(RunCommand, SizesThatDiffer) {
   expect_refused("320 x 240 pixels but the camera file says 640 x 480");
 }
 
-TEST_F(RunCommand, AnImageOfAnotherSizeInTheMiddleEndsTheRunAndKeepsWhatThereIs) {
+TEST_F(RunCommand, ImagesOfTheWrongKindInTheMiddleAreSkippedAndCounted) {
   cv::imwrite(sequence_->depth_file(6), cv::Mat(240, 320, CV_16U, cv::Scalar(10000)));
-  EXPECT_EQ(run(), 1);
-  expect_failed("depth is 320 x 240 pixels");
-  EXPECT_EQ(read_trajectory(out() / "trajectory.txt").size(), 6U);
+  cv::imwrite(sequence_->depth_file(8), cv::Mat(480, 640, CV_8U, cv::Scalar(100)));
+  ASSERT_EQ(run(), 0) << stderr_;
+  EXPECT_EQ(summary().at("skipped_frames"), 2);
+  EXPECT_EQ(summary().at("localised_frames"), frame_count - 2);
+  EXPECT_THAT(stderr_, ContainsRegex("warning: .*depth is 320 x 240 pixels.*frame 6 skipped"));
+  EXPECT_THAT(stderr_, ContainsRegex("warning: .*not 8 bits.*frame 8 skipped"));
 }
 
 TEST_F(RunCommand, UnreadableImagesAreSkippedAndCounted) {

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "dkp_slam/error.h"
 
@@ -79,6 +80,16 @@ TEST_F(Recorded, WrongLinesAreNamed) {
 
 TEST_F(Recorded, AMissingFileIsAnError) {
   EXPECT_THROW(open_recorded_detections(file_, ClassTable()), Error);
+}
+
+TEST_F(Recorded, APipeIsRefusedInsteadOfWaitedFor) {
+  ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
+  try {
+    open_recorded_detections(file_, ClassTable());
+    ADD_FAILURE() << "opened";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("it is a pipe or a device"), std::string::npos);
+  }
 }
 
 TEST_F(Recorded, AnEmptyFileDetectsNothing) {

@@ -26,6 +26,7 @@ constexpr std::array<std::string_view, 8> field_names = {"timestamp", "tx", "ty"
 constexpr std::string_view separators = " \t,\r\v\f";
 // Far below any quaternion a program would write and far above what rounds to zero.
 constexpr double min_quaternion_norm = 1e-6;
+constexpr double farthest = 1e9;  // metres; squares of it are still summed exactly enough
 
 /// Where an error is, for its message.
 struct Place {
@@ -86,7 +87,13 @@ StampedPose parse_pose(std::string_view line, const Place& place) {
   if (!(rotation.norm() > min_quaternion_norm)) {
     fail(place, "the quaternion is zero; write '0 0 0 1' for no rotation, or remove the line");
   }
-  return {v[0], Se3(rotation.normalized(), Eigen::Vector3d(v[1], v[2], v[3]))};
+  const Eigen::Vector3d position(v[1], v[2], v[3]);
+  if (!(position.norm() <= farthest)) {
+    fail(place, fmt::format("the position is {:.3g} m away; the unit is the metre, and no path is "
+                            "longer than {:.0e} m",
+                            position.norm(), farthest));
+  }
+  return {v[0], Se3(rotation.normalized(), position)};
 }
 
 /// Puts poses into the order of their stamps, the last of each stamp only; says so when it has to.

@@ -27,8 +27,9 @@ class Fields {
       : path_(path), prefix_(prefix) {
     if (!map.IsMap()) fail(map.Mark().line, "expected lines of the form \"key: value\"");
     for (const auto& item : map) {
-      const std::string key = item.first.as<std::string>();
       const int line = item.first.Mark().line;
+      if (!item.first.IsScalar()) fail(line, "a key's name must stand before the colon");
+      const std::string& key = item.first.Scalar();
       if (std::find(valid_keys.begin(), valid_keys.end(), key) == valid_keys.end()) {
         fail(line, fmt::format("unknown key {}{}; valid keys are {}", prefix_, key,
                                fmt::join(valid_keys, ", ")));

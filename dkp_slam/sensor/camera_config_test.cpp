@@ -124,6 +124,7 @@ TEST(CameraConfig, NamesLineAndFieldOfBadValues) {
 TEST(CameraConfig, NamesMissingUnknownAndRepeatedFields) {
   EXPECT_THAT(error_of(with("fx: 500.5\n", "")), HasSubstr("fx is missing"));
   EXPECT_THAT(error_of(with("depth_scale: 1000\n", "")), HasSubstr("depth_scale is missing"));
+  EXPECT_THAT(error_of(with("fx:", "[f, x]:")), HasSubstr(":4: a key's name must stand"));
   EXPECT_THAT(error_of(with("fx:", "f_x:")), HasSubstr(":4: unknown key f_x; valid keys are name"));
   EXPECT_THAT(error_of(valid + "fx: 3\n"), HasSubstr(":10: fx was set before on line 4"));
 }

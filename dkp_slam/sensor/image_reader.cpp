@@ -10,20 +10,62 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/input_file.h"
 #include "dkp_slam/sensor/png_format.h"
 
 namespace dkp_slam {
 namespace {
 
-/// Whole file into `bytes`; false, with errno set, when it cannot be read.
-bool read_file(const std::string& path, std::vector<std::uint8_t>* bytes) {
+constexpr std::uintmax_t most_bytes = 256'000'000;
+
+/// Whole file into `bytes`. Returns what is in the way, or nothing.
+std::string read_file(const std::string& path, std::vector<std::uint8_t>* bytes) {
+  if (std::string problem = why_unreadable(path, most_bytes); !problem.empty()) return problem;
+  errno = 0;
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
                                                              std::fclose);
-  if (!file || std::fseek(file.get(), 0, SEEK_END) != 0) return false;
+  if (!file || std::fseek(file.get(), 0, SEEK_END) != 0) return std::strerror(errno);
   const long size = std::ftell(file.get());
-  if (size < 0 || std::fseek(file.get(), 0, SEEK_SET) != 0) return false;
+  if (size < 0 || std::fseek(file.get(), 0, SEEK_SET) != 0) return std::strerror(errno);
   bytes->resize(static_cast<std::size_t>(size));
-  return std::fread(bytes->data(), 1, bytes->size(), file.get()) == bytes->size();
+  if (std::fread(bytes->data(), 1, bytes->size(), file.get()) == bytes->size()) return "";
+  return errno != 0 ? std::strerror(errno) : "it became shorter while it was read";
+}
+
+unsigned big_endian(const std::vector<std::uint8_t>& file, std::size_t at, std::size_t bytes) {
+  unsigned value = 0;
+  for (std::size_t i = 0; i < bytes; ++i) value = value << 8 | file[at + i];
+  return value;
+}
+
+bool is_png(const std::vector<std::uint8_t>& file) {
+  return file.size() > sizeof(png::signature) &&
+         std::equal(std::begin(png::signature), std::end(png::signature), file.begin());
+}
+
+/// Width times height as a PNG or JPEG file's header states them; 0 where it does not.
+std::uint64_t stated_pixels(const std::vector<std::uint8_t>& file) {
+  constexpr std::size_t png_width_at = 16, png_height_at = 20, png_header_end = 24;
+  if (is_png(file)) {
+    if (file.size() < png_header_end) return 0;
+    return std::uint64_t{big_endian(file, png_width_at, 4)} * big_endian(file, png_height_at, 4);
+  }
+  if (file.size() < 3 || file[0] != 0xFF || file[1] != 0xD8) return 0;
+  // JPEG (ITU-T T.81, B.1.1 and B.2.2): segments up to the frame header, markers C0 to CF but for
+  // the three that are none.
+  constexpr std::size_t frame_header = 9;
+  for (std::size_t at = 2; at + frame_header <= file.size() && file[at] == 0xFF;) {
+    const std::uint8_t marker = file[at + 1];
+    if (marker == 0xFF) {  // a fill byte
+      ++at;
+      continue;
+    }
+    const bool frame =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (frame) return std::uint64_t{big_endian(file, at + 5, 2)} * big_endian(file, at + 7, 2);
+    at += 2 + big_endian(file, at + 2, 2);
+  }
+  return 0;
 }
 
 /// OpenCV fills up what is missing of a JPEG file with grey and calls it read. A whole one ends
@@ -40,10 +82,7 @@ bool is_truncated_jpeg(const std::vector<std::uint8_t>& file) {
 /// Why a file is no PNG of 8-bit grey values, by its first bytes; empty when it is one.
 std::string no_grey_png(const std::vector<std::uint8_t>& file) {
   constexpr std::size_t bits_at = 24, colour_type_at = 25;  // in the header chunk, always the first
-  if (file.size() <= colour_type_at ||
-      !std::equal(std::begin(png::signature), std::end(png::signature), file.begin())) {
-    return "not a PNG file";
-  }
+  if (!is_png(file) || file.size() <= colour_type_at) return "not a PNG file";
   const int bits = file[bits_at], colour_type = file[colour_type_at];
   if (bits == 8 && colour_type == png::colour_grey) return "";
   return "not of 8-bit grey values but of " + (colour_type == png::colour_grey
@@ -54,13 +93,16 @@ std::string no_grey_png(const std::vector<std::uint8_t>& file) {
 }  // namespace
 
 ImageRead ImageReader::read(const std::string& path, int opencv_flags) {
-  if (!read_file(path, &file_)) return {{}, std::strerror(errno)};
+  if (std::string problem = read_file(path, &file_); !problem.empty()) return {{}, problem};
   if (file_.empty()) return {{}, "the file is empty"};
   return decode(opencv_flags);
 }
 
 ImageRead ImageReader::decode(int opencv_flags) {
   ImageRead result;
+  if (stated_pixels(file_) > most_pixels_) {
+    return {{}, "the image has more pixels than any that belongs here"};
+  }
   switch (png_.decode(file_, &result.image, &result.problem)) {
     case PngDecoder::Status::ok:
     case PngDecoder::Status::broken:
@@ -97,7 +139,7 @@ ImageRead ImageReader::read_unchanged(const std::string& path) {
 }
 
 ImageRead ImageReader::read_grey_png(const std::string& path) {
-  if (!read_file(path, &file_)) return {{}, std::strerror(errno)};
+  if (std::string problem = read_file(path, &file_); !problem.empty()) return {{}, problem};
   if (const std::string problem = no_grey_png(file_); !problem.empty()) return {{}, problem};
   return decode(cv::IMREAD_UNCHANGED);
 }

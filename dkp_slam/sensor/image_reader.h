@@ -20,6 +20,9 @@ struct ImageRead {
 /// One object per thread.
 class ImageReader {
  public:
+  /// Of a PNG or JPEG file with more than `most_pixels` only the header is looked at: a small file
+  /// may hold an image of gigabytes.
+  explicit ImageReader(std::uint64_t most_pixels = 64'000'000) : most_pixels_(most_pixels) {}
   /// CV_8UC3, BGR. Grey images, images with an alpha channel and 16-bit images are converted.
   ImageRead read_colour(const std::string& path);
   /// As stored; of a depth image the caller checks the type.
@@ -32,6 +35,7 @@ class ImageReader {
   ImageRead read(const std::string& path, int opencv_flags);
   ImageRead decode(int opencv_flags);
 
+  const std::uint64_t most_pixels_;
   PngDecoder png_;
   std::vector<std::uint8_t> file_;
 };

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -13,6 +14,7 @@
 #include <spdlog/spdlog.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/input_file.h"
 
 namespace dkp_slam {
 namespace {
@@ -24,8 +26,14 @@ struct Line {
 
 /// Lines with their words, without comments and empty lines.
 std::vector<Line> read_lines(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw Error(path + ": cannot be read; check that it is there and may be read");
+  constexpr std::uintmax_t most_bytes = 1'000'000'000;  // months of frames
+  const std::string problem = why_unreadable(path, most_bytes);
+  std::ifstream file;
+  if (problem.empty()) file.open(path);
+  if (!file.is_open()) {
+    throw Error(fmt::format("{}: cannot be read{}{}; check that it is there and may be read", path,
+                            problem.empty() ? "" : ": ", problem));
+  }
   std::vector<Line> lines;
   std::string text;
   for (int number = 1; std::getline(file, text); ++number) {

@@ -87,13 +87,17 @@ std::vector<std::string> colour_files(const std::vector<ImagePair>& pairs) {
 class TumSource : public RgbdSource {
  public:
   TumSource(const std::string& folder, const Camera& camera, const TumOptions& options)
-      : folder_(folder), camera_(camera), pairs_(list_pairs(folder, options)) {
+      : folder_(folder),
+        camera_(camera),
+        pairs_(list_pairs(folder, options)),
+        reader_(most_pixels(camera)) {
     if (!options.masks.empty()) masks_.emplace(options.masks, colour_files(pairs_));
     // The first readable frame shows wrong types and sizes before a long run begins.
     constexpr std::size_t attempts = 10;
     for (std::size_t i = 0; i < std::min(attempts, pairs_.size()); ++i) {
-      std::string problem;
+      Problem problem;
       const auto frame = load(i, &problem);
+      if (problem.of_kind) throw Error(problem.text);
       if (!frame) continue;
       if (masks_) masks_->check(pairs_[i].colour, frame->colour.size());
       break;
@@ -107,37 +111,52 @@ class TumSource : public RgbdSource {
 
   std::optional<RgbdFrame> read() override {
     while (next_ < pairs_.size()) {
-      std::string problem;
+      Problem problem;
       if (auto frame = load(next_++, &problem)) {
         if (masks_) frame->mask = masks_->read(pairs_[next_ - 1].colour, frame->colour.size());
         return frame;
       }
-      spdlog::warn("{}; frame {} skipped", problem, next_ - 1);
+      spdlog::warn("{}; frame {} skipped", problem.text, next_ - 1);
       if (++skipped_ * 2 > pairs_.size()) {
         throw Error(fmt::format("{}: {} of {} frames cannot be read; the last one: {}", folder_,
-                                skipped_, pairs_.size(), problem));
+                                skipped_, pairs_.size(), problem.text));
       }
     }
     return std::nullopt;
   }
 
  private:
-  /// Nothing, and why, when an image is missing or damaged; throws when it is of the wrong kind.
-  std::optional<RgbdFrame> load(std::size_t index, std::string* problem) {
+  /// Why there is no frame.
+  struct Problem {
+    std::string text;
+    bool of_kind = false;  ///< the images could be read, but have a wrong type or size
+  };
+
+  /// Images of another camera are to be recognised as such, those of no camera not to be decoded.
+  static std::uint64_t most_pixels(const Camera& camera) {
+    constexpr std::uint64_t least = 64'000'000, times = 4;
+    return std::max(least, times * static_cast<std::uint64_t>(camera.width) *
+                               static_cast<std::uint64_t>(camera.height));
+  }
+
+  /// Nothing, and why, when an image is missing, damaged or of the wrong kind.
+  std::optional<RgbdFrame> load(std::size_t index, Problem* problem) {
     const ImagePair& pair = pairs_[index];
     const std::string colour_path = fs::path(folder_) / pair.colour;
     const std::string depth_path = fs::path(folder_) / pair.depth;
     ImageRead colour = reader_.read_colour(colour_path);
     if (colour.image.empty()) {
-      *problem = fmt::format("{}: {}", colour_path, colour.problem);
+      problem->text = fmt::format("{}: {}", colour_path, colour.problem);
       return std::nullopt;
     }
     const ImageRead depth = reader_.read_unchanged(depth_path);
     if (depth.image.empty()) {
-      *problem = fmt::format("{}: {}", depth_path, depth.problem);
+      problem->text = fmt::format("{}: {}", depth_path, depth.problem);
       return std::nullopt;
     }
-    check(colour_path, colour.image, depth_path, depth.image);
+    problem->text = problem_of(colour_path, colour.image, depth_path, depth.image);
+    problem->of_kind = !problem->text.empty();
+    if (problem->of_kind) return std::nullopt;
     RgbdFrame frame;
     frame.index = static_cast<int>(index);
     frame.timestamp = pair.timestamp;
@@ -148,26 +167,27 @@ class TumSource : public RgbdSource {
     return frame;
   }
 
-  void check(const std::string& colour_path, const cv::Mat& colour, const std::string& depth_path,
-             const cv::Mat& depth) const {
+  /// What is wrong with the images' types and sizes, or nothing.
+  std::string problem_of(const std::string& colour_path, const cv::Mat& colour,
+                         const std::string& depth_path, const cv::Mat& depth) const {
     if (depth.type() != CV_16UC1) {
-      throw Error(
-          fmt::format("{}: depth must be a 16-bit image of one channel, not {} bits and {} "
-                      "channels",
-                      depth_path, depth.elemSize1() * 8, depth.channels()));
+      return fmt::format(
+          "{}: depth must be a 16-bit image of one channel, not {} bits and {} channels",
+          depth_path, depth.elemSize1() * 8, depth.channels());
     }
     if (depth.size() != colour.size()) {
-      throw Error(
-          fmt::format("{}: depth is {} x {} pixels but its colour image is {} x {}; depth "
-                      "must be registered to colour",
-                      depth_path, depth.cols, depth.rows, colour.cols, colour.rows));
+      return fmt::format(
+          "{}: depth is {} x {} pixels but its colour image is {} x {}; depth must be registered "
+          "to colour",
+          depth_path, depth.cols, depth.rows, colour.cols, colour.rows);
     }
     if (colour.cols != camera_.width || colour.rows != camera_.height) {
-      throw Error(
-          fmt::format("{}: is {} x {} pixels but the camera file says {} x {}; use the "
-                      "camera file of this sequence",
-                      colour_path, colour.cols, colour.rows, camera_.width, camera_.height));
+      return fmt::format(
+          "{}: is {} x {} pixels but the camera file says {} x {}; use the camera file of this "
+          "sequence",
+          colour_path, colour.cols, colour.rows, camera_.width, camera_.height);
     }
+    return "";
   }
 
   std::string folder_;

@@ -6,11 +6,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/sensor/image_reader.h"
 
 namespace dkp_slam {
 namespace {
@@ -165,6 +167,49 @@ TEST_F(TumSourceTest, SkipsAndCountsWhatCannotBeRead) {
   const auto source = open();
   EXPECT_EQ(indices(source.get()), (std::vector<int>{1, 2, 4, 6, 9}));
   EXPECT_EQ(source->skipped(), 5U);
+}
+
+TEST_F(TumSourceTest, SkipsWhatIsNoFile) {
+  for (const std::string& path : {colour(1), depth(3), colour(5), colour(7)}) fs::remove(path);
+  fs::create_directory(colour(1));
+  ASSERT_EQ(mkfifo(depth(3).c_str(), 0600), 0);
+  fs::create_symlink("/dev/zero", colour(5));
+  fs::create_symlink(colour(7), colour(7));
+  const auto source = open();
+  EXPECT_EQ(indices(source.get()), (std::vector<int>{0, 2, 4, 6, 8, 9}));
+}
+
+TEST_F(TumSourceTest, SkipsImagesOfTheWrongKindAmongRightOnes) {
+  cv::imwrite(depth(4), cv::Mat(height, width, CV_8UC1, cv::Scalar(9)));
+  cv::imwrite(depth(6), cv::Mat(height / 2, width / 2, CV_16UC1, cv::Scalar(2500)));
+  cv::imwrite(colour(8), cv::Mat(height * 2, width * 2, CV_8UC3, cv::Scalar(9)));
+  const auto source = open();
+  EXPECT_EQ(indices(source.get()), (std::vector<int>{0, 1, 2, 3, 5, 7, 9}));
+  EXPECT_EQ(source->skipped(), 3U);
+}
+
+TEST_F(TumSourceTest, RefusesListsThatAreNoFiles) {
+  fs::remove(folder_ / "rgb.txt");
+  ASSERT_EQ(mkfifo((folder_ / "rgb.txt").c_str(), 0600), 0);
+  EXPECT_THAT(error(), HasSubstr("rgb.txt: cannot be read: it is a pipe or a device"));
+  fs::remove(folder_ / "rgb.txt");
+  fs::create_directory(folder_ / "rgb.txt");
+  EXPECT_THAT(error(), HasSubstr("rgb.txt: cannot be read: it is a folder"));
+}
+
+TEST(ImageReader, DecodesNoImageLargerThanItsLimit) {
+  const fs::path folder = fs::path(::testing::TempDir()) / "image_reader_limit";
+  fs::create_directories(folder);
+  const cv::Mat image(20, 30, CV_8UC3, cv::Scalar(1, 2, 3));
+  for (const char* name : {"image.png", "image.jpg"}) {
+    const std::string path = folder / name;
+    cv::imwrite(path, image);
+    EXPECT_FALSE(ImageReader(600).read_colour(path).image.empty()) << name;
+    const ImageRead refused = ImageReader(599).read_colour(path);
+    EXPECT_TRUE(refused.image.empty()) << name;
+    EXPECT_THAT(refused.problem, HasSubstr("more pixels")) << name;
+  }
+  fs::remove_all(folder);
 }
 
 TEST_F(TumSourceTest, SkipsTruncatedJpeg) {

@@ -87,7 +87,8 @@ std::vector<Detection> decode(const float* output, const cv::Size& size, float f
         if (!std::isfinite(box.x + box.y + width + height) || clipped.empty()) continue;
         for (int id : movable) {
           const float score = objectness * row[5 + id];
-          if (score < options.lowest_score) continue;
+          // A network that says NaN or more than certainty of a row says nothing of it.
+          if (!(score >= options.lowest_score && score <= 1.0F)) continue;
           Detection detection;
           detection.box = clipped;
           detection.class_id = id;

@@ -122,6 +122,19 @@ TEST(Decode, DropsWeakBoxesAndFixedThings) {
   EXPECT_TRUE(output.decode().empty());
 }
 
+TEST(Decode, DropsScoresThatAreNoProbability) {
+  Output output;
+  for (const auto& [at, score] : {std::pair{0, std::nanf("")}, std::pair{9, INFINITY},
+                                  std::pair{18, 1.001F}, std::pair{27, -INFINITY}}) {
+    output.row(at)[4] = 1.0F;
+    output.row(at)[5 + person] = score;
+  }
+  EXPECT_TRUE(output.decode().empty());
+  output.row(36)[4] = INFINITY;
+  output.row(36)[5 + person] = 0.0F;  // makes NaN
+  EXPECT_TRUE(output.decode().empty());
+}
+
 TEST(Decode, FindsAPersonInARowThatLikesAnotherClassBetter) {
   Output output;
   output.row(0)[4] = 1.0F;
