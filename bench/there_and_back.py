@@ -148,7 +148,8 @@ def main():
     measurer = commands.add_parser("measure")
     measurer.add_argument("out", type=pathlib.Path)
     measurer.add_argument("run", type=pathlib.Path)
-    measurer.add_argument("--program", default="build/release/dkp-slam")
+    measurer.add_argument("--program", type=pathlib.Path,
+                          default=pathlib.Path(__file__).parents[1] / "build/release/dkp-slam")
     arguments = parser.parse_args()
     if arguments.command == "make":
         make(arguments.sequence, arguments.out, arguments.rounds)
