@@ -78,6 +78,7 @@ std::size_t make_runs(const BenchSetup& setup, const std::vector<BenchJob>& jobs
 }
 
 void bench(const BenchArguments& arguments) {
+  catch_interrupts();
   const std::vector<BenchJob> jobs =
       jobs_of_shard(plan_jobs(arguments.plan), parse_shard(arguments.shard));
   const BenchSetup setup = setup_of(arguments);
@@ -88,7 +89,6 @@ void bench(const BenchArguments& arguments) {
     if (!is_done(before, record_of(setup, job))) left.push_back(job);
   }
   const std::size_t known = jobs.size() - left.size();
-  catch_interrupts();
   const std::size_t failed = make_runs(setup, left, known);
   std::vector<std::string> warnings;
   if (interrupted()) warnings.emplace_back("Interrupted: only what was measured until then.");

@@ -7,6 +7,7 @@
 #include "apps/commands.h"
 #include "apps/demo/demo.h"
 #include "apps/progress.h"
+#include "apps/whole_number.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void demo(DemoOptions options) {
+  catch_interrupts();
   // A model that is named and missing is found out before a sequence is made for it.
   if (const auto model = find_model(options.model)) options.model = fs::absolute(*model);
   std::error_code error;
@@ -28,7 +30,6 @@ void demo(DemoOptions options) {
   const fs::path page = options.out / "report.html", picture = options.out / "demo.png";
   check_writable(page);
   check_writable(picture);
-  catch_interrupts();
   const DemoResult result = make_demo(options);
   write_file_atomically(picture, demo_picture(result));
   write_file_atomically(page, demo_page(result));
@@ -49,7 +50,7 @@ void add_demo_command(CLI::App& program) {
   command->add_option("--out", options->out, "Folder for the results; made where missing")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Of the generated room and of everything random")
-      ->check(CLI::NonNegativeNumber)
+      ->check(check_whole_number)
       ->capture_default_str();
   command->add_option("--frames", options->frames, "Frames, 30 a second")
       ->check(CLI::Range(std::size_t{10}, std::size_t{100000}))

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands.h"
+#include "apps/whole_number.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/report.h"
 #include "dkp_slam/evaluation/trajectory_plot.h"
@@ -160,8 +161,11 @@ void add_eval_command(CLI::App& program) {
   command
       ->add_option("--rpe-max-pairs", arguments->step.max_pairs,
                    "Sample this many pairs where there are more; 0: take all")
+      ->check(check_whole_number)
       ->capture_default_str();
-  command->add_option("--seed", arguments->step.seed, "Of that sampling")->capture_default_str();
+  command->add_option("--seed", arguments->step.seed, "Of that sampling")
+      ->check(check_whole_number)
+      ->capture_default_str();
   command->add_option("--json", arguments->json,
                       "Write the figures as JSON to this file; -: to the standard output, instead "
                       "of the table");

@@ -130,6 +130,9 @@ TEST_F(EvalCommand, WrongOptionsAreMisuse) {
                                                        {"--max-difference=-1"},
                                                        {"--offset", "inf"},
                                                        {"--rpe-all-pairs", "--rpe-delta", "1"},
+                                                       {"--rpe-max-pairs", "-1"},
+                                                       {"--seed", "-1"},
+                                                       {"--seed", "18446744073709551616"},
                                                        {"--no-such-option"}};
   for (const auto& options : wrong) {
     EXPECT_THROW(run(options), CLI::ParseError) << options[0] << ' ' << options.back();

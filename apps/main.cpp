@@ -1,4 +1,6 @@
 #include <cstdio>
+#include <iostream>
+#include <sstream>
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -6,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands.h"
+#include "apps/process.h"
 #include "apps/progress.h"
 #include "dkp_slam/version.h"
 
@@ -18,6 +21,7 @@ constexpr int exit_interrupted = 130;
 }  // namespace
 
 int main(int argc, char** argv) {
+  dkp_slam::apps::prepare_process();
   // The standard output is for results; spdlog would log to it. On a terminal a message takes the
   // place of the progress bar, which is drawn anew below it. No colours: those are written in
   // pieces, and the bar could get between them.
@@ -40,9 +44,13 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? 0 : exit_usage;
+    std::ostringstream message;
+    const int code = program.exit(error, std::cout, message);
+    std::fputs(dkp_slam::apps::printable(message.str()).c_str(), stderr);
+    return code == 0 ? 0 : exit_usage;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "dkp-slam: %s\n", error.what());
+    std::fprintf(stderr, "dkp-slam: %s\n",
+                 dkp_slam::apps::printable(dkp_slam::apps::message_of(error)).c_str());
     return dkp_slam::apps::interrupted() ? exit_interrupted : exit_failure;
   }
   return 0;

@@ -33,9 +33,15 @@ void print(const std::string& text) {
     throw Error("cannot write to the standard output; send it elsewhere");
 }
 
+/// Paths may hold bytes that are no UTF-8, which JSON must not.
+std::string json_text(const StoredMap& stored) {
+  constexpr auto replace = nlohmann::ordered_json::error_handler_t::replace;
+  return map_json(stored).dump(2, ' ', false, replace) + '\n';
+}
+
 void show(const MapArguments& arguments) {
   const StoredMap stored = read_map(arguments.file);
-  print(arguments.json ? map_json(stored).dump(2) + "\n" : map_text(stored));
+  print(arguments.json ? json_text(stored) : map_text(stored));
 }
 
 void export_files(const MapArguments& arguments) {

@@ -50,15 +50,20 @@ void Progress::update(std::size_t done, const std::string& note) {
   if (done < next_line_ || done == 0) return;
   const std::string separator = note.empty() ? "" : ", ";
   if (total_) {
-    fmt::print(stream_, "{}: {} of {}{}{}\n", label_, done, *total_, separator, note);
+    show(fmt::format("{}: {} of {}{}{}\n", label_, done, *total_, separator, note));
     // The next tenth that lies ahead, however far this step went; none after the last.
     const std::size_t tenth = done * lines_in_all / std::max<std::size_t>(*total_, 1) + 1;
     next_line_ =
         last ? static_cast<std::size_t>(-1) : (tenth * *total_ + lines_in_all - 1) / lines_in_all;
   } else {
-    fmt::print(stream_, "{}: {}{}{}\n", label_, done, separator, note);
+    show(fmt::format("{}: {}{}{}\n", label_, done, separator, note));
     next_line_ = done + steps_per_line_without_total;
   }
+}
+
+void Progress::show(const std::string& text) const {
+  // Whether it could be written matters to nobody: the terminal may have gone away.
+  std::fputs(text.c_str(), stream_);
   std::fflush(stream_);
 }
 
@@ -75,15 +80,15 @@ void Progress::draw_bar(std::size_t done, const std::string& note) {
     bar = fmt::format(" {}", done);
   }
   // Carriage return and "erase to the end of the line": the bar stays on one line.
-  fmt::print(stream_, "\r\033[K{}{} {:.1f}/s{}{}", label_, bar, rate, note.empty() ? "" : "  ",
-             note);
-  std::fflush(stream_);
+  show(fmt::format("\r\033[K{}{} {:.1f}/s{}{}", label_, bar, rate, note.empty() ? "" : "  ", note));
   line_open_ = true;
 }
 
 void catch_interrupts() {
   std::signal(SIGINT, note_interrupt);
   std::signal(SIGTERM, note_interrupt);
+  // Under nohup it is ignored, and stays so.
+  if (std::signal(SIGHUP, note_interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 bool interrupted() { return interrupt_seen; }

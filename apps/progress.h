@@ -27,6 +27,7 @@ class Progress {
   using Clock = std::chrono::steady_clock;
 
   void draw_bar(std::size_t done, const std::string& note);
+  void show(const std::string& text) const;
 
   const std::string label_;
   const std::optional<std::size_t> total_;
@@ -38,8 +39,8 @@ class Progress {
   bool line_open_ = false;
 };
 
-/// From here on Ctrl-C (and SIGTERM) makes `interrupted` true; a second one ends the program at
-/// once.
+/// From here on Ctrl-C makes `interrupted` true, as do SIGTERM and a terminal that goes away
+/// (SIGHUP); a second one ends the program at once.
 void catch_interrupts();
 bool interrupted();
 /// What `interrupted` reads, for work that is to be stopped by it.

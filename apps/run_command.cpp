@@ -14,6 +14,7 @@
 #include "apps/config_options.h"
 #include "apps/file_observer.h"
 #include "apps/live_path.h"
+#include "apps/process.h"
 #include "apps/progress.h"
 #include "apps/run_map.h"
 #include "apps/run_options.h"
@@ -136,7 +137,7 @@ RunTotals play_run(RgbdSource& source, Slam& slam, const RunObservers& observers
     });
     observers.rethrow_failure();
   } catch (const std::exception& error) {
-    totals.failure = error.what();
+    totals.failure = message_of(error);
   }
   totals.skipped_frames = source.skipped();
   totals.frames_without_mask = source.without_mask();
@@ -185,6 +186,7 @@ void check_together(const RunOptions& options, const SlamConfig& config) {
 }
 
 void run(RunOptions options) {
+  catch_interrupts();
   SlamConfig config = make_config(options.config);
   check_together(options, config);
   if (!options.masks.empty()) config.dynamics.mode = DynamicsMode::masks;
@@ -215,7 +217,6 @@ void run(RunOptions options) {
   used.dynamics = options_of_mode(config.dynamics);
   result.config = config_json(used);
   result.detector = detector ? detector->name() : "none";
-  catch_interrupts();
   std::optional<Map> stored = observers.map->take_stored();
   const bool with_map = observers.map->begin(config);
   Slam slam(config, std::move(detector), std::move(stored));

@@ -43,6 +43,11 @@ std::vector<std::size_t> frames_per_map(const RunResult& result) {
   return frames;
 }
 
+/// Paths may hold bytes that are no UTF-8, which JSON must not.
+std::string text_of(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+}
+
 double rounded(double value, double digits) { return std::round(value * digits) / digits; }
 
 }  // namespace
@@ -157,7 +162,7 @@ void save_run(const RunResult& result, RunLog& log, const fs::path& out) {
   for (; fs::exists(out / path_name(number)); ++number) fs::remove(out / path_name(number));
   write_trajectory(out / files[1], result.keyframes);
   log.save();
-  write_file_atomically(out / files[4], summary_json(result).dump(2) + "\n");
+  write_file_atomically(out / files[4], text_of(summary_json(result)));
 }
 
 std::string verdict(const RunTotals& totals) {

@@ -1,6 +1,7 @@
 #include "apps/sequence_writer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -21,6 +22,12 @@ namespace dkp_slam::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::array image_folders = {"rgb", "depth", "mask", "instances"};
+
+fs::path image_file(const fs::path& out, const char* folder, const std::string& stamp) {
+  return out / folder / (stamp + ".png");
+}
 
 void write_image(const fs::path& path, const cv::Mat& image) {
   const std::vector<std::uint8_t> bytes = encode_png(image);
@@ -66,7 +73,7 @@ const std::vector<std::string>& SequenceWriter::names() {
 SequenceWriter::SequenceWriter(fs::path out, const Camera& camera)
     : out_(std::move(out)), depth_scale_(camera.depth_scale) {
   try {
-    for (const char* folder : {"rgb", "depth", "mask", "instances"}) {
+    for (const char* folder : image_folders) {
       fs::create_directory(out_ / folder);
     }
   } catch (const fs::filesystem_error& error) {
@@ -79,29 +86,50 @@ SequenceWriter::SequenceWriter(fs::path out, const Camera& camera)
 void SequenceWriter::add(const RgbdFrame& frame, const SyntheticTruth& truth) {
   // One frame in work per core: enough to keep them busy, and little memory.
   wait_for(std::max(std::thread::hardware_concurrency(), 1U) - 1);
-  const std::string stamp = fmt::format("{:.6f}", frame.timestamp);
-  const std::string colour = "rgb/" + stamp + ".png", depth = "depth/" + stamp + ".png";
-  writing_.push_back(std::async(std::launch::async, [=, this] {
+  Frame added;
+  added.timestamp = frame.timestamp;
+  added.stamp = fmt::format("{:.6f}", frame.timestamp);
+  added.detections = recorded_lines(frame.timestamp, true_detections(truth));
+  added.images = std::async(std::launch::async, [this, stamp = added.stamp, frame, truth] {
     cv::Mat units;
     frame.depth.convertTo(units, CV_16U, depth_scale_);
-    write_image(out_ / colour, frame.colour);
-    write_image(out_ / depth, units);
-    write_image(out_ / "mask" / (stamp + ".png"), truth.mask);
-    write_image(out_ / "instances" / (stamp + ".png"), truth.instance);
-  }));
-  rgb_ += fmt::format("{} {}\n", stamp, colour);
-  depth_ += fmt::format("{} {}\n", stamp, depth);
-  associations_ += fmt::format("{} {} {} {}\n", stamp, colour, stamp, depth);
-  detections_ += recorded_lines(frame.timestamp, true_detections(truth));
+    const std::array images = {frame.colour, units, truth.mask, truth.instance};
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      write_image(image_file(out_, image_folders[i], stamp), images[i]);
+    }
+  });
+  writing_.push_back(std::move(added));
+}
+
+void SequenceWriter::wait_for(std::size_t frames_left) {
+  while (writing_.size() > frames_left) {
+    Frame oldest = std::move(writing_.front());
+    writing_.pop_front();
+    try {
+      oldest.images.get();
+    } catch (const Error&) {
+      drop(oldest);
+      for (; !writing_.empty(); writing_.pop_front()) drop(writing_.front());
+      throw;
+    }
+    list(oldest);
+  }
+}
+
+void SequenceWriter::list(const Frame& frame) {
+  const std::string& stamp = frame.stamp;
+  rgb_ += fmt::format("{0} rgb/{0}.png\n", stamp);
+  depth_ += fmt::format("{0} depth/{0}.png\n", stamp);
+  associations_ += fmt::format("{0} rgb/{0}.png {0} depth/{0}.png\n", stamp);
+  detections_ += frame.detections;
   stamps_.push_back(frame.timestamp);
 }
 
-void SequenceWriter::wait_for(std::size_t images_left) {
-  while (writing_.size() > images_left) {
-    std::future<void> oldest = std::move(writing_.front());
-    writing_.pop_front();
-    oldest.get();
-  }
+void SequenceWriter::drop(const Frame& frame) const {
+  if (frame.images.valid()) frame.images.wait();
+  std::error_code ignored;
+  for (const char* folder : image_folders)
+    fs::remove(image_file(out_, folder, frame.stamp), ignored);
 }
 
 void SequenceWriter::finish(const SyntheticSource& source) {

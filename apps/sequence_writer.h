@@ -23,20 +23,31 @@ class SequenceWriter {
   /// Everything this writes, folders and files, as names in `out`.
   static const std::vector<std::string>& names();
 
-  /// Throws `Error` when an image, of this frame or one before, cannot be written.
+  /// Throws `Error` when an image, of this frame or one before, cannot be written; the frame's
+  /// images are gone then, with those of all after it.
   void add(const RgbdFrame& frame, const SyntheticTruth& truth);
-  /// Waits for the images and writes the lists: of the frames added, and the true path at 100 Hz
-  /// and at every frame's moment, from the first frame to the last.
+  /// Waits for the images and writes the lists: of the frames that have all their images, and the
+  /// true path at 100 Hz and at every frame's moment, from the first frame to the last.
   void finish(const SyntheticSource& source);
 
  private:
-  void wait_for(std::size_t images_left);
+  /// A frame whose images are being written.
+  struct Frame {
+    double timestamp = 0.0;
+    std::string stamp;
+    std::string detections;  ///< its lines
+    std::future<void> images;
+  };
+
+  void wait_for(std::size_t frames_left);
+  void list(const Frame& frame);
+  void drop(const Frame& frame) const;
 
   std::filesystem::path out_;
   double depth_scale_;
   std::string rgb_, depth_, associations_, detections_;
   std::vector<double> stamps_;
-  std::deque<std::future<void>> writing_;
+  std::deque<Frame> writing_;
 };
 
 }  // namespace dkp_slam::apps

@@ -13,6 +13,7 @@
 #include "apps/commands.h"
 #include "apps/progress.h"
 #include "apps/sequence_writer.h"
+#include "apps/whole_number.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/geometry/sensor_scale.h"
@@ -87,21 +88,44 @@ SyntheticOptions options_of(const SynthArguments& arguments) {
 }
 
 void write_description(const SynthArguments& arguments, std::size_t frames) {
-  const nlohmann::ordered_json description = {
-      {"program", std::string("dkp-slam ") + DKP_SLAM_VERSION},
-      {"scenario", arguments.scenario},
-      {"seed", arguments.seed},
-      {"frames", frames},
-      {"width", arguments.width},
-      {"height", arguments.height},
-      {"rate", arguments.rate},
-      {"trajectory", arguments.trajectory},
-      {"noise", arguments.noise},
-      {"rolling_shutter", arguments.rolling_shutter}};
-  write_file_atomically(fs::path(arguments.out) / marker, description.dump(2) + "\n");
+  using Json = nlohmann::ordered_json;
+  const Json description = {{"program", std::string("dkp-slam ") + DKP_SLAM_VERSION},
+                            {"scenario", arguments.scenario},
+                            {"seed", arguments.seed},
+                            {"frames", frames},
+                            {"width", arguments.width},
+                            {"height", arguments.height},
+                            {"rate", arguments.rate},
+                            {"trajectory", arguments.trajectory},
+                            {"noise", arguments.noise},
+                            {"rolling_shutter", arguments.rolling_shutter}};
+  write_file_atomically(fs::path(arguments.out) / marker,
+                        description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+/// Returns how many frames were written. Where one cannot be, those before it are listed all the
+/// same: without lists they would be images and no sequence.
+std::size_t write_frames(SyntheticSource& source, std::size_t frames, SequenceWriter& writer,
+                         const SynthArguments& arguments) {
+  Progress progress("synth " + arguments.scenario, frames);
+  std::size_t done = 0;
+  try {
+    while (!interrupted()) {
+      const auto frame = source.read();
+      if (!frame) break;
+      writer.add(*frame, source.truth());
+      progress.update(++done);
+    }
+    writer.finish(source);
+  } catch (const Error& error) {
+    writer.finish(source);
+    throw Error(fmt::format("{} ({} holds the frames before it)", error.what(), arguments.out));
+  }
+  return done;
 }
 
 void synthesize(const SynthArguments& arguments) {
+  catch_interrupts();
   // What can be wrong is found before the folder is touched, and the cheap part of it first: to
   // light the rooms takes seconds.
   const SyntheticOptions options = options_of(arguments);
@@ -111,18 +135,7 @@ void synthesize(const SynthArguments& arguments) {
   prepare_folder(arguments.out);
   write_description(arguments, frames);
   SequenceWriter writer(arguments.out, options.camera);
-  catch_interrupts();
-  std::size_t done = 0;
-  {
-    Progress progress("synth " + arguments.scenario, frames);
-    while (!interrupted()) {
-      const auto frame = source.read();
-      if (!frame) break;
-      writer.add(*frame, source.truth());
-      progress.update(++done);
-    }
-    writer.finish(source);
-  }
+  const std::size_t done = write_frames(source, frames, writer, arguments);
   if (done < frames) {
     throw Error(fmt::format("interrupted after {} of {} frames; {} holds these", done, frames,
                             arguments.out));
@@ -160,7 +173,7 @@ void add_synth_command(CLI::App& program) {
   command->add_option("--out", arguments->out, "Folder to write")->required();
   command
       ->add_option("--seed", arguments->seed, "Room, people's looks and pace, camera path, noise")
-      ->check(CLI::NonNegativeNumber)
+      ->check(check_whole_number)
       ->capture_default_str();
   command
       ->add_option("--frames", arguments->frames,

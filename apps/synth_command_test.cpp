@@ -13,9 +13,11 @@
 
 #include "apps/commands.h"
 #include "apps/progress.h"
+#include "apps/sequence_writer.h"
 #include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/geometry/sensor_scale.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/synth/source.h"
@@ -194,6 +196,31 @@ TEST(Progress, PlainLinesAtEveryTenth) {
   }
   EXPECT_EQ(lines, 11 + 3);  // the first step, ten tenths, and three
   EXPECT_EQ(text, "few: 3 of 3");
+}
+
+TEST_F(SynthCommandTest, FramesBeforeOneThatCannotBeWrittenAreASequence) {
+  SyntheticOptions options = synthetic_scenario("walking_static");
+  options.frames = 6;
+  options.camera = resized(options.camera, 64, 48);
+  SyntheticSource source(options);
+  fs::create_directories(out_);
+  SequenceWriter writer(out_, options.camera);
+  const auto write_all = [&] {
+    for (int i = 0; i < 6; ++i) {
+      const auto frame = source.read();
+      const std::string name = fmt::format("{:.6f}.png", frame->timestamp);
+      if (i == 3) fs::create_directories(out_ / "mask" / name / "in the way");
+      writer.add(*frame, source.truth());
+    }
+    writer.finish(source);
+  };
+  EXPECT_THROW(write_all(), Error);
+  writer.finish(source);
+  const auto written = open_tum_folder(out_, load_camera(out_ / "camera.yaml"));
+  EXPECT_EQ(written->size(), 3U);
+  for (const char* folder : {"rgb", "depth", "instances"}) {
+    EXPECT_EQ(std::distance(fs::directory_iterator(out_ / folder), {}), 3) << folder;
+  }
 }
 
 }  // namespace

@@ -47,6 +47,7 @@ class Program {
   }
 
   void interrupt() const { ::kill(id_, SIGINT); }
+  void hang_up() const { ::kill(id_, SIGHUP); }
   void kill() const { ::kill(id_, SIGKILL); }
   /// Exit code; 1000 and the signal's number when a signal ended it. To be called once.
   int wait() const {

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <exception>
+#include <string>
+
+namespace dkp_slam::apps {
+
+/// To be called first: makes the program independent of how it was started. Descriptors 0 to 2 that
+/// are closed lead nowhere (a file opened later would get their numbers, and messages with them),
+/// and a reader that goes away or a limit on the size of files ends writing, not the program.
+void prepare_process();
+
+/// What to tell of an exception, in one line: of memory that ran out, what that means.
+std::string message_of(const std::exception& error);
+
+/// `text` with control characters but the line break shown as '?': file names and values of inputs
+/// stand in messages, and a terminal obeys what they hold.
+std::string printable(std::string text);
+
+}  // namespace dkp_slam::apps
