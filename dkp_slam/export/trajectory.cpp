@@ -88,10 +88,11 @@ StampedPose parse_pose(std::string_view line, const Place& place) {
     fail(place, "the quaternion is zero; write '0 0 0 1' for no rotation, or remove the line");
   }
   const Eigen::Vector3d position(v[1], v[2], v[3]);
-  if (!(position.norm() <= farthest)) {
+  const double distance = position.stableNorm();  // of which nothing overflows
+  if (!(distance <= farthest)) {
     fail(place, fmt::format("the position is {:.3g} m away; the unit is the metre, and no path is "
                             "longer than {:.0e} m",
-                            position.norm(), farthest));
+                            distance, farthest));
   }
   return {v[0], Se3(rotation.normalized(), position)};
 }

@@ -159,10 +159,11 @@ TEST_F(Writing, TheFileMustBeTheOneThatWasRead) {
 TEST_F(Writing, AFileThatWasTakenAwayIsNoticed) {
   GrowingMap grown;
   for (const bool replaced : {false, true}) {
-    MapWriter writer(file_, grown.map);
+    const fs::path file = folder_ / (replaced ? "replaced.map" : "moved.map");
+    MapWriter writer(file, grown.map);
     writer.update(grown.map);
-    fs::rename(file_, folder_ / "elsewhere");
-    if (replaced) std::ofstream(file_) << "another file";
+    fs::rename(file, folder_ / "elsewhere");
+    if (replaced) std::ofstream(file) << "another file";
     grown.grow_to(grown.steps() + 1);
     EXPECT_THROW(writer.update(grown.map), Error) << replaced;
     EXPECT_THROW(writer.finish(), Error) << replaced;
