@@ -13,6 +13,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/json_text.h"
 #include "dkp_slam/loop/map_joiner.h"
 #include "dkp_slam/map/map_snapshot.h"
 #include "dkp_slam/map_file/map_file.h"
@@ -33,15 +34,9 @@ void print(const std::string& text) {
     throw Error("cannot write to the standard output; send it elsewhere");
 }
 
-/// Paths may hold bytes that are no UTF-8, which JSON must not.
-std::string json_text(const StoredMap& stored) {
-  constexpr auto replace = nlohmann::ordered_json::error_handler_t::replace;
-  return map_json(stored).dump(2, ' ', false, replace) + '\n';
-}
-
 void show(const MapArguments& arguments) {
   const StoredMap stored = read_map(arguments.file);
-  print(arguments.json ? json_text(stored) : map_text(stored));
+  print(arguments.json ? json_text(map_json(stored)) + "\n" : map_text(stored));
 }
 
 void export_files(const MapArguments& arguments) {

@@ -143,20 +143,10 @@ TEST_F(MapCommand, ARunIsRefusedAMapItCannotUse) {
 TEST_F(MapCommand, AKilledRunLeavesAMapThatOpens) {
   // Five minutes by the clock, so that the end surely comes in the middle.
   run_arguments({});
-  std::string rgb = content(sequence_->folder() / "rgb.txt"),
-              depth = content(sequence_->folder() / "depth.txt");
-  for (int i = 1; i < 3000; ++i) {
-    const std::string stamp = WallSequence::stamp(i % frame_count);
-    rgb += fmt::format("{:.6f} rgb/{}.png\n", 10.4 + i * 0.1, stamp);
-    depth += fmt::format("{:.6f} depth/{}.png\n", 10.4 + i * 0.1, stamp);
-  }
-  std::ofstream(sequence_->folder() / "rgb.txt") << rgb;
-  std::ofstream(sequence_->folder() / "depth.txt") << depth;
+  sequence_->prolong([](int i) { return i % frame_count; });
   for (const auto life : {1500ms, 2300ms}) {
     const Program program = start(run_arguments({"--realtime", "--map", map()}));
-    for (int i = 0; i < 1000 && program.err().find("run: 1 of") == std::string::npos; ++i) {
-      std::this_thread::sleep_for(20ms);
-    }
+    program.wait_for("run: 1 of");
     std::this_thread::sleep_for(life);
     program.kill();
     ASSERT_EQ(program.wait(), 1000 + SIGKILL);

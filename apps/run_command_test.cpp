@@ -418,19 +418,9 @@ TEST_F(RunCommand, UnwritableOutputIsFoundBeforeTheRun) {
 }
 
 TEST_F(RunCommand, CtrlCSavesWhatThereIs) {
-  // Five minutes by the clock, so that it surely comes in the middle.
-  std::string rgb = content(sequence_->folder() / "rgb.txt"),
-              depth = content(sequence_->folder() / "depth.txt");
-  for (int i = 1; i < 3000; ++i) {
-    rgb += fmt::format("{:.6f} rgb/{}.png\n", 10.4 + i * 0.1, WallSequence::stamp(11));
-    depth += fmt::format("{:.6f} depth/{}.png\n", 10.4 + i * 0.1, WallSequence::stamp(11));
-  }
-  write("rgb.txt", rgb);
-  write("depth.txt", depth);
+  sequence_->prolong([](int) { return frame_count - 1; });
   const Program program = start({"--mode", "off", "--realtime"});
-  for (int i = 0; i < 1000 && program.err().find("run: 1 of") == std::string::npos; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
+  program.wait_for("run: 1 of");
   program.interrupt();
   EXPECT_EQ(program.wait(), 130);
   stderr_ = program.err();

@@ -31,21 +31,22 @@ RunMap::RunMap(const fs::path& map, const fs::path& localize, const SlamConfig& 
 
 std::optional<Map> RunMap::take_stored() {
   if (!stored_) return std::nullopt;
-  if (file_.empty() || stored_->map.landmark_ids() < many_landmark_ids) {
-    return std::move(stored_->map);
-  }
-  Map renumbered(with_new_landmark_ids(parts_of(stored_->map)));
+  Map map = std::move(stored_->map);
+  if (file_.empty()) return map;
   writer_ = std::make_unique<MapWriter>(file_, std::move(stored_->state));
-  writer_->update(renumbered);
-  return renumbered;
+  if (map.landmark_ids() >= many_landmark_ids) {
+    map = Map(with_new_landmark_ids(parts_of(map)));
+    writer_->update(map);
+  }
+  return map;
 }
 
 bool RunMap::begin(const SlamConfig& config) {
   if (file_.empty()) return false;
-  if (writer_) return true;
-  writer_ = stored_ ? std::make_unique<MapWriter>(file_, std::move(stored_->state))
-                    : std::make_unique<MapWriter>(file_, Map(config.camera, config.orb.scale,
-                                                             scaled_to_camera(config).orb.levels));
+  if (!writer_) {
+    writer_ = std::make_unique<MapWriter>(
+        file_, Map(config.camera, config.orb.scale, scaled_to_camera(config).orb.levels));
+  }
   return true;
 }
 

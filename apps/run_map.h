@@ -19,11 +19,13 @@ class RunMap : public FileObserver {
   RunMap(const std::filesystem::path& map, const std::filesystem::path& localize,
          const SlamConfig& config);
 
-  /// The map that was read; once. Where its landmarks' ids are many they are counted anew, in the
-  /// file as well. Throws `Error` when that cannot be written.
+  /// The map that was read; once. Takes hold of the file that the run goes on with; where its
+  /// landmarks' ids are many they are counted anew, there as well. Throws `Error` when it cannot be
+  /// written.
   std::optional<Map> take_stored();
-  /// Makes or takes hold of the file; false where the run keeps none. From here on the file follows
-  /// the map as this observer is told. Throws `Error` when it cannot be written.
+  /// After `take_stored`: makes the file where there was none; false where the run keeps none. From
+  /// here on the file follows the map as this observer is told. Throws `Error` when it cannot be
+  /// written.
   bool begin(const SlamConfig& config);
   void on_map(const MapChange& change) override;
   /// After the run: everything is in the file itself. Throws `Error` when something could not be

@@ -11,6 +11,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/json_text.h"
 #include "dkp_slam/version.h"
 
 namespace dkp_slam::apps {
@@ -41,11 +42,6 @@ std::vector<std::size_t> frames_per_map(const RunResult& result) {
   if (!result.trajectory.empty()) frames.push_back(result.trajectory.size());
   for (const Trajectory& t : result.other_paths) frames.push_back(t.size());
   return frames;
-}
-
-/// Paths may hold bytes that are no UTF-8, which JSON must not.
-std::string text_of(const nlohmann::ordered_json& json) {
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 
 double rounded(double value, double digits) { return std::round(value * digits) / digits; }
@@ -162,7 +158,7 @@ void save_run(const RunResult& result, RunLog& log, const fs::path& out) {
   for (; fs::exists(out / path_name(number)); ++number) fs::remove(out / path_name(number));
   write_trajectory(out / files[1], result.keyframes);
   log.save();
-  write_file_atomically(out / files[4], text_of(summary_json(result)));
+  write_file_atomically(out / files[4], json_text(summary_json(result)) + "\n");
 }
 
 std::string verdict(const RunTotals& totals) {

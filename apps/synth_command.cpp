@@ -17,6 +17,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/geometry/sensor_scale.h"
+#include "dkp_slam/json_text.h"
 #include "dkp_slam/synth/source.h"
 #include "dkp_slam/version.h"
 
@@ -88,19 +89,18 @@ SyntheticOptions options_of(const SynthArguments& arguments) {
 }
 
 void write_description(const SynthArguments& arguments, std::size_t frames) {
-  using Json = nlohmann::ordered_json;
-  const Json description = {{"program", std::string("dkp-slam ") + DKP_SLAM_VERSION},
-                            {"scenario", arguments.scenario},
-                            {"seed", arguments.seed},
-                            {"frames", frames},
-                            {"width", arguments.width},
-                            {"height", arguments.height},
-                            {"rate", arguments.rate},
-                            {"trajectory", arguments.trajectory},
-                            {"noise", arguments.noise},
-                            {"rolling_shutter", arguments.rolling_shutter}};
-  write_file_atomically(fs::path(arguments.out) / marker,
-                        description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  const nlohmann::ordered_json description = {
+      {"program", std::string("dkp-slam ") + DKP_SLAM_VERSION},
+      {"scenario", arguments.scenario},
+      {"seed", arguments.seed},
+      {"frames", frames},
+      {"width", arguments.width},
+      {"height", arguments.height},
+      {"rate", arguments.rate},
+      {"trajectory", arguments.trajectory},
+      {"noise", arguments.noise},
+      {"rolling_shutter", arguments.rolling_shutter}};
+  write_file_atomically(fs::path(arguments.out) / marker, json_text(description) + "\n");
 }
 
 /// Returns how many frames were written. Where one cannot be, those before it are listed all the

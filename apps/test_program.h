@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -7,6 +8,7 @@
 #include <iterator>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -46,6 +48,12 @@ class Program {
     if (failure != 0) throw std::runtime_error("cannot start " DKP_SLAM_PROGRAM);
   }
 
+  /// Waits until its messages hold this, 20 s at most.
+  void wait_for(const std::string& message) const {
+    for (int i = 0; i < 1000 && err().find(message) == std::string::npos; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
   void interrupt() const { ::kill(id_, SIGINT); }
   void hang_up() const { ::kill(id_, SIGHUP); }
   void kill() const { ::kill(id_, SIGKILL); }

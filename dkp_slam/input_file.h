@@ -2,8 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <system_error>
+
+#include "dkp_slam/error.h"
 
 namespace dkp_slam {
 
@@ -22,6 +25,17 @@ inline std::string why_unreadable(const std::filesystem::path& path, std::uintma
   if (bytes <= most_bytes) return "";
   return "it has " + std::to_string(bytes / megabyte) + " MB, more than " +
          std::to_string(most_bytes / megabyte) + " MB";
+}
+
+/// A text file to be read whole. Throws `Error` "PATH: PROBLEM: why; REMEDY".
+inline std::ifstream open_text(const std::filesystem::path& path, std::uintmax_t most_bytes,
+                               const std::string& problem, const std::string& remedy) {
+  const std::string reason = why_unreadable(path, most_bytes);
+  std::ifstream stream;
+  if (reason.empty()) stream.open(path);
+  if (stream.is_open()) return stream;
+  throw Error(path.string() + ": " + problem + (reason.empty() ? "" : ": ") + reason + "; " +
+              remedy);
 }
 
 }  // namespace dkp_slam

@@ -13,6 +13,7 @@
 #include "dkp_slam/evaluation/mask_score.h"
 #include "dkp_slam/evaluation/measure/fingerprint.h"
 #include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/json_text.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/system/playback.h"
@@ -123,7 +124,7 @@ std::optional<MaskFigures> measure_masks(const MeasureOptions& options, const Ru
       {"program", fingerprint(this_program)},   {"model", options.model.string()},
       {"scored_frames", figures.scored_frames}, {"iou", json_of(figures.iou)},
       {"removed", json_of(figures.removed)},    {"kept", json_of(figures.kept)}};
-  write_file_atomically(record_of(options, key), record.dump(2) + "\n");
+  write_file_atomically(record_of(options, key), json_text(record) + "\n");
   return figures;
 }
 

@@ -16,6 +16,7 @@
 #include "dkp_slam/evaluation/relative_error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/json_text.h"
 
 namespace dkp_slam::bench {
 namespace {
@@ -157,7 +158,7 @@ bool measure_run(const MeasureOptions& options, const RunKey& key,
                                          {"wall_s", result.wall_s},
                                          {"processor_s", result.processor_s},
                                          {"others_share", result.others_share}};
-  write_file_atomically(folder / record_name, record.dump(2) + "\n");
+  write_file_atomically(folder / record_name, json_text(record) + "\n");
   return true;
 }
 

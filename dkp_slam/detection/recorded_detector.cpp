@@ -62,13 +62,7 @@ std::string problem_of(double timestamp, const Detection& d) {
 std::unique_ptr<Detector> open_recorded_detections(const std::filesystem::path& file,
                                                    const ClassTable& classes) {
   constexpr std::uintmax_t most_bytes = 4'000'000'000;
-  const std::string unreadable = why_unreadable(file, most_bytes);
-  std::ifstream in;
-  if (unreadable.empty()) in.open(file);
-  if (!in.is_open()) {
-    throw Error(fmt::format("{}: cannot read the detections{}{}; check the path", file.string(),
-                            unreadable.empty() ? "" : ": ", unreadable));
-  }
+  std::ifstream in = open_text(file, most_bytes, "cannot read the detections", "check the path");
   std::map<std::int64_t, std::vector<Detection>> of_stamp;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {

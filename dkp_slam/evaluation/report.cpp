@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/json_text.h"
 #include "dkp_slam/version.h"
 
 namespace dkp_slam {
@@ -121,7 +122,7 @@ std::string json_report(const EvaluationReport& report, const std::string& truth
   json["rpe"] = nlohmann::ordered_json::array();
   for (const StepResult& step : report.steps) json["rpe"].push_back(json_of(step));
   // A file name that is not UTF-8 must not cost the user the figures.
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json_text(json) + "\n";
 }
 
 }  // namespace dkp_slam

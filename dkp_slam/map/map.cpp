@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/map/find_id.h"
 #include "dkp_slam/map/id_map.h"
 
 namespace dkp_slam {
@@ -16,13 +17,6 @@ namespace {
 std::map<int, int>::const_iterator most_shared(const std::map<int, int>& shared) {
   return std::max_element(shared.begin(), shared.end(),
                           [](const auto& a, const auto& b) { return a.second < b.second; });
-}
-
-template <class Item>
-const Item* find_id(const std::vector<Item>& ascending, int id) {
-  const auto it = std::lower_bound(ascending.begin(), ascending.end(), id,
-                                   [](const Item& item, int wanted) { return item.id < wanted; });
-  return it != ascending.end() && it->id == id ? &*it : nullptr;
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "dkp_slam/map/find_id.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -25,14 +27,11 @@ bool ids_in_order(const std::vector<Item>& items, int ids) {
   return true;
 }
 
-/// Where in the ascending items the one with this id is; -1 where none has it. By searching: how
-/// many ids there are is a number in a file, how many items its length.
+/// Where in the ascending items the one with this id is; -1 where none has it.
 template <class Item>
 int index_of(const std::vector<Item>& ascending, int id) {
-  const auto it = std::lower_bound(ascending.begin(), ascending.end(), id,
-                                   [](const Item& item, int wanted) { return item.id < wanted; });
-  if (it == ascending.end() || it->id != id) return -1;
-  return static_cast<int>(it - ascending.begin());
+  const Item* const item = find_id(ascending, id);
+  return item ? static_cast<int>(item - ascending.data()) : -1;
 }
 
 std::optional<std::string> problem_of(const FrameFeatures& features, int levels) {
@@ -102,15 +101,22 @@ bool is_pixel(const cv::Point2f& point) {
   return std::abs(point.x) < most && std::abs(point.y) < most;
 }
 
-std::optional<std::string> MapParts::check() const {
-  if (const auto reason = camera.check()) return "camera: " + *reason;
-  if (levels < 1 || levels > 64 || !(level_scale > 1.0F && level_scale < 10.0F))
-    return "no sensible pyramid of levels";
+std::optional<std::string> problem_of_counts(int keyframe_ids, int landmark_ids, int maps,
+                                             int current_map) {
   if (keyframe_ids < 0 || keyframe_ids > most_keyframe_ids || landmark_ids < 0 ||
       landmark_ids > most_landmark_ids)
     return "no sensible number of keyframes and landmarks";
   if (maps < 1 || maps > most_keyframe_ids || current_map < 0 || current_map >= maps)
     return "no sensible number of maps";
+  return std::nullopt;
+}
+
+std::optional<std::string> MapParts::check() const {
+  if (const auto reason = camera.check()) return "camera: " + *reason;
+  if (levels < 1 || levels > 64 || !(level_scale > 1.0F && level_scale < 10.0F))
+    return "no sensible pyramid of levels";
+  if (const auto problem = problem_of_counts(keyframe_ids, landmark_ids, maps, current_map))
+    return problem;
   if (!ids_in_order(keyframes, keyframe_ids)) return "the keyframes' ids are out of range";
   if (!ids_in_order(landmarks, landmark_ids)) return "the landmarks' ids are out of range";
 

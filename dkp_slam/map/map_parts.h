@@ -16,6 +16,11 @@ namespace dkp_slam {
 inline constexpr int most_keyframe_ids = 10'000'000;
 inline constexpr int most_landmark_ids = 1'900'000'000;
 
+/// Why a map cannot have given so many ids, or nothing: one check for who reads a file and who
+/// writes it.
+std::optional<std::string> problem_of_counts(int keyframe_ids, int landmark_ids, int maps,
+                                             int current_map);
+
 /// What a map is made of, as plain values: all that cannot be computed from the rest.
 struct MapParts {
   Camera camera;

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/json_text.h"
 #include "dkp_slam/version.h"
 
 namespace dkp_slam {
@@ -237,11 +238,8 @@ void create_map_tables(Database& database, const Camera& camera, float level_sca
   sqlite::Transaction transaction(database);
   database.run(schema);
   set_meta(database, "program_version", std::string_view(DKP_SLAM_VERSION));
-  // The camera's name may hold bytes that are no UTF-8, which JSON must not.
-  const std::string description =
-      to_json(camera, level_scale, levels)
-          .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  set_meta(database, "camera", std::string_view(description));
+  set_meta(database, "camera",
+           std::string_view(json_text(to_json(camera, level_scale, levels), -1)));
   set_meta(database, "revision", 0);
   MapChange nothing;
   write_counts(database, nothing);
@@ -251,11 +249,12 @@ void create_map_tables(Database& database, const Camera& camera, float level_sca
 
 void write_change(Database& database, const MapChange& change) {
   // What the reader refuses is not written.
-  if (change.keyframe_ids > most_keyframe_ids || change.landmark_ids > most_landmark_ids) {
-    throw Error(
-        fmt::format("{}: the map has given all its numbers for keyframes ({}) or landmarks "
-                    "({}); the file holds what came before, go on with it in a new run",
-                    database.file().string(), +most_keyframe_ids, +most_landmark_ids));
+  if (const auto problem = problem_of_counts(change.keyframe_ids, change.landmark_ids, change.maps,
+                                             change.current_map)) {
+    throw Error(fmt::format(
+        "{}: the map has given more numbers than can be read again ({}); the file holds what came "
+        "before, go on with it in a new run",
+        database.file().string(), *problem));
   }
   sqlite::Transaction transaction(database);
   remove_rows(database, "DELETE FROM keyframes WHERE id = ?", change.removed_keyframes);

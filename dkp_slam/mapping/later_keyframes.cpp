@@ -1,17 +1,16 @@
 #include "dkp_slam/mapping/later_keyframes.h"
 
-#include <algorithm>
+#include <cstddef>
+#include <span>
+
+#include "dkp_slam/map/find_id.h"
 
 namespace dkp_slam {
 
 void move_with_later_keyframes(Map& map, MapMove move, int first_later) {
   const std::size_t known = move.keyframes.size();
-  const auto find = [&](int id) -> const MapMove::Keyframe* {
-    const auto end = move.keyframes.begin() + static_cast<std::ptrdiff_t>(known);
-    const auto it =
-        std::lower_bound(move.keyframes.begin(), end, id,
-                         [](const MapMove::Keyframe& k, int wanted) { return k.id < wanted; });
-    return it != end && it->id == id ? &*it : nullptr;
+  const auto find = [&](int id) {
+    return find_id(std::span<const MapMove::Keyframe>(move.keyframes).first(known), id);
   };
   for (int k = first_later; k < map.keyframe_ids(); ++k) {
     if (map.keyframe(k).removed) continue;

@@ -32,28 +32,19 @@ std::string read_file(const std::string& path, std::vector<std::uint8_t>* bytes)
   return errno != 0 ? std::strerror(errno) : "it became shorter while it was read";
 }
 
-unsigned big_endian(const std::vector<std::uint8_t>& file, std::size_t at, std::size_t bytes) {
-  unsigned value = 0;
-  for (std::size_t i = 0; i < bytes; ++i) value = value << 8 | file[at + i];
-  return value;
-}
-
-bool is_png(const std::vector<std::uint8_t>& file) {
-  return file.size() > sizeof(png::signature) &&
-         std::equal(std::begin(png::signature), std::end(png::signature), file.begin());
-}
-
 /// Width times height as a PNG or JPEG file's header states them; 0 where it does not.
 std::uint64_t stated_pixels(const std::vector<std::uint8_t>& file) {
   constexpr std::size_t png_width_at = 16, png_height_at = 20, png_header_end = 24;
-  if (is_png(file)) {
+  if (png::has_signature(file)) {
     if (file.size() < png_header_end) return 0;
-    return std::uint64_t{big_endian(file, png_width_at, 4)} * big_endian(file, png_height_at, 4);
+    return std::uint64_t{png::big_endian(&file[png_width_at])} *
+           png::big_endian(&file[png_height_at]);
   }
   if (file.size() < 3 || file[0] != 0xFF || file[1] != 0xD8) return 0;
   // JPEG (ITU-T T.81, B.1.1 and B.2.2): segments up to the frame header, markers C0 to CF but for
   // the three that are none.
   constexpr std::size_t frame_header = 9;
+  const auto two_bytes = [&file](std::size_t at) { return file[at] * 256U + file[at + 1]; };
   for (std::size_t at = 2; at + frame_header <= file.size() && file[at] == 0xFF;) {
     const std::uint8_t marker = file[at + 1];
     if (marker == 0xFF) {  // a fill byte
@@ -62,8 +53,8 @@ std::uint64_t stated_pixels(const std::vector<std::uint8_t>& file) {
     }
     const bool frame =
         marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
-    if (frame) return std::uint64_t{big_endian(file, at + 5, 2)} * big_endian(file, at + 7, 2);
-    at += 2 + big_endian(file, at + 2, 2);
+    if (frame) return std::uint64_t{two_bytes(at + 5)} * two_bytes(at + 7);
+    at += 2 + two_bytes(at + 2);
   }
   return 0;
 }
@@ -82,7 +73,7 @@ bool is_truncated_jpeg(const std::vector<std::uint8_t>& file) {
 /// Why a file is no PNG of 8-bit grey values, by its first bytes; empty when it is one.
 std::string no_grey_png(const std::vector<std::uint8_t>& file) {
   constexpr std::size_t bits_at = 24, colour_type_at = 25;  // in the header chunk, always the first
-  if (!is_png(file) || file.size() <= colour_type_at) return "not a PNG file";
+  if (!png::has_signature(file) || file.size() <= colour_type_at) return "not a PNG file";
   const int bits = file[bits_at], colour_type = file[colour_type_at];
   if (bits == 8 && colour_type == png::colour_grey) return "";
   return "not of 8-bit grey values but of " + (colour_type == png::colour_grey

@@ -20,9 +20,11 @@ struct ImageRead {
 /// One object per thread.
 class ImageReader {
  public:
+  static constexpr std::uint64_t usual_most_pixels = 64'000'000;
+
   /// Of a PNG or JPEG file with more than `most_pixels` only the header is looked at: a small file
   /// may hold an image of gigabytes.
-  explicit ImageReader(std::uint64_t most_pixels = 64'000'000) : most_pixels_(most_pixels) {}
+  explicit ImageReader(std::uint64_t most_pixels = usual_most_pixels) : most_pixels_(most_pixels) {}
   /// CV_8UC3, BGR. Grey images, images with an alpha channel and 16-bit images are converted.
   ImageRead read_colour(const std::string& path);
   /// As stored; of a depth image the caller checks the type.

@@ -24,10 +24,6 @@ constexpr std::uint32_t largest_side = 16384;
 
 enum Filter : uint8_t { none = 0, sub = 1, up = 2, average = 3, paeth = 4 };
 
-std::uint32_t big_endian(const uint8_t* p) {
-  return std::uint32_t{p[0]} << 24 | std::uint32_t{p[1]} << 16 | std::uint32_t{p[2]} << 8 | p[3];
-}
-
 unsigned load_pixel(const uint8_t* p) {
   unsigned value = 0;
   std::memcpy(&value, p, sizeof(value));
@@ -179,17 +175,17 @@ PngDecoder::Status PngDecoder::read_chunks(std::span<const uint8_t> file, Header
   bool has_header = false;
   for (std::size_t at = sizeof(png::signature); at + chunk_overhead <= file.size();) {
     const uint8_t* chunk = file.data() + at;
-    const std::size_t length = big_endian(chunk);
+    const std::size_t length = png::big_endian(chunk);
     if (length > file.size() - at - chunk_overhead) break;
     const std::string name(reinterpret_cast<const char*>(chunk + 4), 4);
     const uint8_t* data = chunk + 8;
-    if (libdeflate_crc32(0, chunk + 4, length + 4) != big_endian(data + length)) {
+    if (libdeflate_crc32(0, chunk + 4, length + 4) != png::big_endian(data + length)) {
       return broken("damaged PNG (checksum)");
     }
     if (name == "IHDR") {
       constexpr std::size_t header_length = 13;
       if (length != header_length) return broken("damaged PNG (header)");
-      const std::uint32_t width = big_endian(data), height = big_endian(data + 4);
+      const std::uint32_t width = png::big_endian(data), height = png::big_endian(data + 4);
       if (width == 0 || height == 0 || width > largest_side || height > largest_side) {
         return broken("damaged PNG (image size)");
       }
@@ -210,10 +206,7 @@ PngDecoder::Status PngDecoder::read_chunks(std::span<const uint8_t> file, Header
 
 PngDecoder::Status PngDecoder::decode(std::span<const uint8_t> file, cv::Mat* image,
                                       std::string* problem) {
-  if (file.size() < sizeof(png::signature) ||
-      std::memcmp(file.data(), png::signature, sizeof(png::signature)) != 0) {
-    return Status::unsupported;
-  }
+  if (!png::has_signature(file)) return Status::unsupported;
   Header header;
   if (const Status status = read_chunks(file, &header, problem); status != Status::ok) {
     return status;

@@ -27,13 +27,8 @@ struct Line {
 /// Lines with their words, without comments and empty lines.
 std::vector<Line> read_lines(const std::string& path) {
   constexpr std::uintmax_t most_bytes = 1'000'000'000;  // months of frames
-  const std::string problem = why_unreadable(path, most_bytes);
-  std::ifstream file;
-  if (problem.empty()) file.open(path);
-  if (!file.is_open()) {
-    throw Error(fmt::format("{}: cannot be read{}{}; check that it is there and may be read", path,
-                            problem.empty() ? "" : ": ", problem));
-  }
+  std::ifstream file =
+      open_text(path, most_bytes, "cannot be read", "check that it is there and may be read");
   std::vector<Line> lines;
   std::string text;
   for (int number = 1; std::getline(file, text); ++number) {

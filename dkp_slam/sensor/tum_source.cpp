@@ -134,9 +134,10 @@ class TumSource : public RgbdSource {
 
   /// Images of another camera are to be recognised as such, those of no camera not to be decoded.
   static std::uint64_t most_pixels(const Camera& camera) {
-    constexpr std::uint64_t least = 64'000'000, times = 4;
-    return std::max(least, times * static_cast<std::uint64_t>(camera.width) *
-                               static_cast<std::uint64_t>(camera.height));
+    constexpr std::uint64_t times = 4;
+    return std::max(ImageReader::usual_most_pixels, times *
+                                                        static_cast<std::uint64_t>(camera.width) *
+                                                        static_cast<std::uint64_t>(camera.height));
   }
 
   /// Nothing, and why, when an image is missing, damaged or of the wrong kind.

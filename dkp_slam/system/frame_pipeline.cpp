@@ -22,8 +22,17 @@ FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOption
       newest_frame_(1),
       newest_detections_(1) {
   try {
-    threads_.emplace_back([this] { extract(); });
-    threads_.emplace_back([this] { live_ ? detect_newest() : detect(); });
+    threads_.emplace_back([this] {
+      run(&FramePipeline::extract);
+      extracted_.close();
+      newest_frame_.close();
+    });
+    threads_.emplace_back([this] {
+      run(live_ ? &FramePipeline::detect_newest : &FramePipeline::detect);
+      if (live_) return;
+      extracted_.close();
+      detected_.close();
+    });
   } catch (...) {  // no thread was to be had
     end();
     throw;
@@ -71,60 +80,48 @@ std::optional<PreparedFrame> FramePipeline::next() {
   return frame;
 }
 
-void FramePipeline::extract() {
+void FramePipeline::run(void (FramePipeline::*stage)()) {
   try {
-    OrbExtractor extractor(orb_);
-    while (std::optional<PreparedFrame> prepared = incoming_.pop()) {
-      const Stopwatch watch;
-      cv::cvtColor(prepared->frame.colour, prepared->grey, cv::COLOR_BGR2GRAY);
-      prepared->orb = extractor.extract(prepared->grey);
-      prepared->feature_ms = watch.ms();
-      if (live_) {
-        dropped_frames_ += extracted_.push_newest(std::move(*prepared));
-      } else if (!extracted_.push(std::move(*prepared))) {
-        return;
-      }
-    }
+    (this->*stage)();
   } catch (...) {
-    note_error();
+    {
+      const std::lock_guard lock(error_mutex_);
+      if (!error_) error_ = std::current_exception();
+    }
+    incoming_.close();
   }
-  extracted_.close();
-  newest_frame_.close();
+}
+
+void FramePipeline::extract() {
+  OrbExtractor extractor(orb_);
+  while (std::optional<PreparedFrame> prepared = incoming_.pop()) {
+    const Stopwatch watch;
+    cv::cvtColor(prepared->frame.colour, prepared->grey, cv::COLOR_BGR2GRAY);
+    prepared->orb = extractor.extract(prepared->grey);
+    prepared->feature_ms = watch.ms();
+    if (live_) {
+      dropped_frames_ += extracted_.push_newest(std::move(*prepared));
+    } else if (!extracted_.push(std::move(*prepared))) {
+      return;
+    }
+  }
 }
 
 void FramePipeline::detect() {
-  try {
-    while (std::optional<PreparedFrame> prepared = extracted_.pop()) {
-      const Stopwatch watch;
-      prepared->detections = run_detector(prepared->frame);
-      prepared->detection_ms = watch.ms();
-      if (!detected_.push(std::move(*prepared))) return;
-    }
-  } catch (...) {
-    note_error();
-    extracted_.close();
+  while (std::optional<PreparedFrame> prepared = extracted_.pop()) {
+    const Stopwatch watch;
+    prepared->detections = run_detector(prepared->frame);
+    prepared->detection_ms = watch.ms();
+    if (!detected_.push(std::move(*prepared))) return;
   }
-  detected_.close();
 }
 
 void FramePipeline::detect_newest() {
-  try {
-    while (std::optional<RgbdFrame> frame = newest_frame_.pop()) {
-      const Stopwatch watch;
-      DetectionResult result = run_detector(*frame);
-      if (result.answered) newest_detections_.push_newest({std::move(result), watch.ms()});
-    }
-  } catch (...) {
-    note_error();
+  while (std::optional<RgbdFrame> frame = newest_frame_.pop()) {
+    const Stopwatch watch;
+    DetectionResult result = run_detector(*frame);
+    if (result.answered) newest_detections_.push_newest({std::move(result), watch.ms()});
   }
-}
-
-void FramePipeline::note_error() {
-  {
-    const std::lock_guard lock(error_mutex_);
-    if (!error_) error_ = std::current_exception();
-  }
-  incoming_.close();
 }
 
 DetectionResult FramePipeline::run_detector(const RgbdFrame& frame) {

@@ -60,11 +60,12 @@ class FramePipeline {
 
  private:
   void end();
+  /// A stage, to its end; what it throws is noted, and nothing more comes in.
+  void run(void (FramePipeline::*stage)());
   void extract();
   void detect();
   void detect_newest();
   DetectionResult run_detector(const RgbdFrame& frame);
-  void note_error();
   void give_up_detector(int frame_index, const char* reason);
 
   const OrbOptions orb_;

@@ -17,6 +17,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/sequence_name.h"
 #include "dkp_slam/evaluation/report/published.h"
+#include "dkp_slam/json_text.h"
 
 namespace dkp_slam {
 namespace {
@@ -149,7 +150,7 @@ std::string to_json_line(const RunRecord& r) {
   json["machine"] = r.machine;
   json["date"] = r.date;
   // A file name that is not UTF-8 must not cost the user the figures.
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(json, -1);
 }
 
 RunRecord parse_json_line(const std::string& line) {
