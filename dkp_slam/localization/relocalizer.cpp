@@ -50,11 +50,15 @@ std::vector<int> further_landmarks(const Map& map, int keyframe, const Frame& fr
 
 }  // namespace
 
-int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uint64_t seed,
-                         int keyframe, Frame& frame) {
+std::vector<FrameMatch> align_to_keyframe(const Map& map, const MeasurementModel& model,
+                                          std::uint64_t seed, int keyframe, Frame& frame) {
   std::vector<FrameMatch> matches = match_keyframe(map, map.keyframe(keyframe), frame);
-  if (matches.size() < least_matches) return 0;
-  if (!align(map, model, seed, matches, frame)) return 0;
+  if (matches.size() < least_matches || !align(map, model, seed, matches, frame)) return {};
+  return matches;
+}
+
+int localize_around(const Map& map, const MeasurementModel& model, int keyframe,
+                    std::vector<FrameMatch> matches, Frame& frame) {
   assign_landmarks(matches, frame);
   const std::vector<int> others = further_landmarks(map, keyframe, frame);
   for (const FrameMatch& m :
@@ -66,6 +70,12 @@ int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uin
   assign_landmarks(matches, frame);
   frame.reference_keyframe = keyframe;
   return inliers;
+}
+
+int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uint64_t seed,
+                         int keyframe, Frame& frame) {
+  std::vector<FrameMatch> matches = align_to_keyframe(map, model, seed, keyframe, frame);
+  return matches.empty() ? 0 : localize_around(map, model, keyframe, std::move(matches), frame);
 }
 
 bool relocalize(const Map& map, const PlaceIndex& places, const MeasurementModel& model,

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "dkp_slam/localization/frame.h"
+#include "dkp_slam/localization/matcher.h"
 #include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/optimization/observation.h"
@@ -16,8 +18,19 @@ namespace dkp_slam {
 bool relocalize(const Map& map, const PlaceIndex& places, const MeasurementModel& model,
                 std::uint64_t seed, Frame& frame);
 
-/// The same from one keyframe and those around it. Returns how many landmarks the frame then has;
-/// 0 when its pose was not found.
+/// The first half of it, with one keyframe: sets the frame's pose by the landmarks that the
+/// keyframe has, and returns the matches that agree on it; none when there is no such pose. Asks
+/// nothing of the map beyond that keyframe and those landmarks (see excerpt_of).
+std::vector<FrameMatch> align_to_keyframe(const Map& map, const MeasurementModel& model,
+                                          std::uint64_t seed, int keyframe, Frame& frame);
+
+/// The second half: searches for more landmarks of the keyframe and those around it where the
+/// frame's pose says they are, and refines the pose. Returns how many landmarks the frame then has;
+/// 0 when they are too few.
+int localize_around(const Map& map, const MeasurementModel& model, int keyframe,
+                    std::vector<FrameMatch> matches, Frame& frame);
+
+/// Both halves.
 int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uint64_t seed,
                          int keyframe, Frame& frame);
 

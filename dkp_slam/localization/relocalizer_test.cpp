@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "dkp_slam/localization/test_world.h"
+#include "dkp_slam/map/map_snapshot.h"
 
 namespace dkp_slam {
 namespace {
@@ -80,6 +81,27 @@ TEST_F(Relocalizer, RepeatsExactly) {
   }
   EXPECT_EQ(found[0].translation, found[1].translation);
   EXPECT_EQ(found[0].rotation.coeffs(), found[1].rotation.coeffs());
+}
+
+TEST_F(Relocalizer, AnExcerptOfTheMapAlignsAsTheMapDoes) {
+  for (int l = 0; l < map.landmark_ids(); l += 7) {
+    if (map.has_landmark(l)) map.remove_landmark(l);
+  }
+  const Se3 truth = pose(0.1, 0.1, 0.1, 0.1) * other_room;
+  Frame whole = lost_at(truth), part = lost_at(truth);
+  const std::vector<FrameMatch> matches = align_to_keyframe(map, {}, 3, 1, whole);
+  Excerpt excerpt = excerpt_of(map, 1);
+  ASSERT_EQ(excerpt.parts.check(), std::nullopt);
+  const std::vector<FrameMatch> same =
+      align_to_keyframe(Map(std::move(excerpt.parts)), {}, 3, 0, part);
+  ASSERT_GT(matches.size(), 100U);
+  ASSERT_EQ(same.size(), matches.size());
+  for (std::size_t i = 0; i < same.size(); ++i) {
+    EXPECT_EQ(same[i].feature, matches[i].feature);
+    EXPECT_EQ(excerpt.landmarks[std::size_t(same[i].landmark)], matches[i].landmark);
+  }
+  EXPECT_EQ(part.camera_from_world.translation, whole.camera_from_world.translation);
+  EXPECT_LT(pose_distance(whole.camera_from_world, truth), 1e-3);
 }
 
 TEST_F(Relocalizer, DoesNotRecogniseAnUnknownPlace) {

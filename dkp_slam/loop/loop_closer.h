@@ -5,11 +5,14 @@
 #include <optional>
 #include <vector>
 
+#include "dkp_slam/localization/frame.h"
+#include "dkp_slam/localization/matcher.h"
 #include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/loop/essential_graph.h"
 #include "dkp_slam/loop/loop_detector.h"
 #include "dkp_slam/loop/place_joining.h"
 #include "dkp_slam/map/map.h"
+#include "dkp_slam/map/map_snapshot.h"
 #include "dkp_slam/mapping/worker.h"
 #include "dkp_slam/optimization/observation.h"
 
@@ -53,9 +56,10 @@ struct ClosedLoop {
 /// same. Where the old place lies in another map, that map and this one become one instead, as they
 /// are.
 ///
-/// All of it runs beside the tracker. The pose graph is solved by another thread, on a snapshot;
-/// the rest belongs to the tracking thread, which does a bounded part of it per frame. While one
-/// loop is under way no other is looked for: where the place stays in view it is found after that.
+/// All of it runs beside the tracker. Other threads align the keyframe and solve the pose graph, on
+/// snapshots; the rest belongs to the tracking thread, which does a bounded part of it per frame.
+/// While one loop is under way no other is looked for: where the place stays in view it is found
+/// after that.
 class LoopCloser {
  public:
   /// `seed`: of the alignment's RANSAC. `realtime`: the map is put right as soon as the pose graph
@@ -66,9 +70,11 @@ class LoopCloser {
   /// To be called with each new keyframe in turn, once it is in the map and the index.
   void add_keyframe(int keyframe);
   /// To be called once per frame: the next part of what is under way. When that was the last of a
-  /// loop, the loop: its landmarks are fused, and the whole map may be adjusted.
+  /// loop, the loop: its landmarks are fused, and the whole map may be adjusted. `wait`: for an
+  /// alignment that is under way, as is always done but in real time.
   std::optional<ClosedLoop> advance(Map& map, const PlaceIndex& places,
-                                    const MeasurementModel& model, int frame_index);
+                                    const MeasurementModel& model, int frame_index,
+                                    bool wait = false);
   /// Whether the map is to be put right now, by `carry_out`.
   bool due(int frame_index) const;
   /// Puts the map right, waiting for the pose graph where it must. To be called when nothing else
@@ -86,11 +92,25 @@ class LoopCloser {
   const std::vector<ClosedLoop>& closed() const { return closed_; }
 
  private:
-  enum class Stage { looking, gathering, solving, fusing };
+  enum class Stage { looking, aligning, gathering, solving, fusing };
+
+  /// A keyframe and an older one that it may show.
+  struct Meeting {
+    Frame seen;  // the keyframe, knowing nothing
+    Excerpt old;
+    MeasurementModel model;
+    std::uint64_t seed = 0;
+  };
+  struct Alignment {
+    Frame seen;                       // with the pose that the older keyframe gives it
+    std::vector<FrameMatch> matches;  // that agree on it, by ids in the map; empty when none do
+  };
+  static Alignment align(Meeting meeting);
 
   void look(const Map& map, const PlaceIndex& places, const MeasurementModel& model);
-  /// Aligns the keyframe to an older one; true where they show the same place.
-  bool align(const Map& map, const MeasurementModel& model, int old);
+  void try_next_candidate(const Map& map, const MeasurementModel& model);
+  /// Whether the alignment holds in the map as it is now; then the loop goes on from it.
+  bool accept(const Map& map, const MeasurementModel& model, Alignment alignment);
   void submit(int frame_index);
   /// Ends what is under way.
   void look_again();
@@ -110,7 +130,7 @@ class LoopCloser {
   LoopDetector detector_;
   Stage stage_ = Stage::looking;
   std::deque<int> waiting_;     // keyframes to look at, the first one under way
-  std::deque<int> candidates_;  // that it may close a loop with
+  std::deque<int> candidates_;  // that it may close a loop with, still to be aligned
   ClosedLoop loop_;             // under way
   Se3 keyframe_from_old_;
   std::vector<int> seen_;  // landmarks of the old place, per feature of the keyframe
@@ -119,7 +139,8 @@ class LoopCloser {
   int due_frame_ = 0;
   std::vector<LoopEdge> loops_;  // closed before, both of whose keyframes were there the last time
   std::vector<ClosedLoop> closed_;
-  Worker<Problem, Solution> worker_;
+  Worker<Meeting, Alignment> aligner_;
+  Worker<Problem, Solution> solver_;
 };
 
 }  // namespace dkp_slam

@@ -280,6 +280,26 @@ TEST(LoopCloserTest, WhatHasGoneMeanwhileIsPassedOver) {
   EXPECT_FALSE(Map(parts_of(trip.map)).landmarks().empty());
 }
 
+TEST(LoopCloserTest, TheMapMayChangeWhileAKeyframeIsAligned) {
+  RoundTrip trip(1);
+  while (trip.map.keyframe_ids() < 65) trip.step(true);
+  // From here on landmarks of the old place go and are fused in every frame.
+  for (int i = 0; i < 12 && trip.closer->closed().empty(); ++i) {
+    trip.step(true);
+    for (int f = 0; f < frames_per_step; ++f) {
+      const std::vector<int> seen = trip.map.landmarks_of({0, 1, 2, 3});
+      for (const std::size_t l : {std::size_t{0}, seen.size() / 3, seen.size() / 2}) {
+        trip.map.remove_landmark(seen[l]);
+        trip.map.fuse_landmarks(seen[l + 1], seen[l + 2]);
+      }
+      trip.frame();
+    }
+  }
+  ASSERT_EQ(trip.closer->closed().size(), 1U);
+  EXPECT_LT(trip.error(), 0.05);
+  EXPECT_EQ(parts_of(trip.map).check(), std::nullopt);
+}
+
 TEST(LoopCloserTest, ALoopWhoseKeyframeGoesBeforeTheSnapshotIsNotClosed) {
   LoopCloserOptions options;
   options.gathered_per_frame = 1;

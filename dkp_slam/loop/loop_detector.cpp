@@ -2,24 +2,27 @@
 
 #include <algorithm>
 
+#include "dkp_slam/map/id_map.h"
+
 namespace dkp_slam {
 namespace {
 
 /// A keyframe and all that share enough landmarks with it.
 std::vector<int> around(const Map& map, int keyframe) {
-  std::vector<int> ids = map.best_covisible(keyframe, map.keyframe_ids());
-  ids.push_back(keyframe);
+  std::vector<int> ids = {keyframe};
+  for (const auto& [id, shared] : map.keyframe(keyframe).covisible) ids.push_back(id);
   std::sort(ids.begin(), ids.end());
   return ids;
 }
 
 /// The keyframe, its neighbours and theirs: local bundle adjustment holds them together already.
-std::vector<char> tied(const Map& map, int keyframe) {
-  std::vector<char> flags(static_cast<std::size_t>(map.keyframe_ids()), 0);
+IdSet tied(const Map& map, int keyframe) {
+  IdSet ids;
   for (const int near : around(map, keyframe)) {
-    for (const int k : around(map, near)) flags[static_cast<std::size_t>(k)] = 1;
+    ids.insert(near);
+    for (const auto& [id, shared] : map.keyframe(near).covisible) ids.insert(id);
   }
-  return flags;
+  return ids;
 }
 
 bool overlap(const std::vector<int>& a, const std::vector<int>& b) {
@@ -41,7 +44,7 @@ std::optional<std::vector<int>> LoopDetector::advance(const Map& map, const Plac
     const std::size_t count = std::min(options_.features_per_frame, all.size() - next_feature_);
     count_votes(map, places, all.subspan(next_feature_, count));
     next_feature_ += count;
-    if (next_feature_ < all.size()) return std::nullopt;
+    return std::nullopt;
   }
   // A keyframe that has been removed meanwhile shows nothing any more.
   std::vector<int> closing;
@@ -68,10 +71,10 @@ void LoopDetector::count_votes(const Map& map, const PlaceIndex& places,
 }
 
 std::vector<int> LoopDetector::closing_keyframes(const Map& map, const PlaceIndex& places) {
-  const std::vector<char> known = tied(map, keyframe_);
+  const IdSet known = tied(map, keyframe_);
   std::erase_if(votes_, [&](const PlaceCandidate& c) {
     const bool later = c.keyframe > keyframe_;  // came while this one waited for its turn
-    return later || known[static_cast<std::size_t>(c.keyframe)] || c.votes < options_.least_votes ||
+    return later || known.contains(c.keyframe) || c.votes < options_.least_votes ||
            map.keyframe(c.keyframe).removed;
   });
   std::vector<Group> groups;

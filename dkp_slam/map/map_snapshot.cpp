@@ -1,5 +1,6 @@
 #include "dkp_slam/map/map_snapshot.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace dkp_slam {
@@ -15,6 +16,14 @@ Landmark stripped(const Landmark& l) {
   out.found = l.found;
   out.dynamic_log_odds = l.dynamic_log_odds;
   return out;
+}
+
+MapParts empty_parts(const Map& map) {
+  MapParts parts;
+  parts.camera = map.camera();
+  parts.level_scale = map.level_scale();
+  parts.levels = map.levels();
+  return parts;
 }
 
 }  // namespace
@@ -39,10 +48,7 @@ std::vector<int> live_ancestors(const Map& map) {
 }
 
 MapParts parts_of(const Map& map) {
-  MapParts parts;
-  parts.camera = map.camera();
-  parts.level_scale = map.level_scale();
-  parts.levels = map.levels();
+  MapParts parts = empty_parts(map);
   parts.keyframe_ids = map.keyframe_ids();
   parts.landmark_ids = map.landmark_ids();
   parts.maps = map.maps();
@@ -58,6 +64,28 @@ MapParts parts_of(const Map& map) {
   }
   for (const int id : map.landmarks()) parts.landmarks.push_back(stripped(map.landmark(id)));
   return parts;
+}
+
+Excerpt excerpt_of(const Map& map, int keyframe) {
+  Excerpt excerpt{empty_parts(map), map.landmarks_of({keyframe})};
+  const std::vector<int>& ids = excerpt.landmarks;
+  Keyframe k = map.keyframe(keyframe);
+  k.id = k.map = 0;
+  k.parent = -1;
+  k.covisible.clear();
+  for (int& l : k.landmarks) {
+    if (l >= 0) l = static_cast<int>(std::lower_bound(ids.begin(), ids.end(), l) - ids.begin());
+  }
+  excerpt.parts.keyframe_ids = 1;
+  excerpt.parts.landmark_ids = static_cast<int>(ids.size());
+  excerpt.parts.keyframes.push_back(std::move(k));
+  for (const int id : ids) {
+    Landmark l = stripped(map.landmark(id));
+    l.id = static_cast<int>(excerpt.parts.landmarks.size());
+    l.first_keyframe = 0;
+    excerpt.parts.landmarks.push_back(std::move(l));
+  }
+  return excerpt;
 }
 
 }  // namespace dkp_slam

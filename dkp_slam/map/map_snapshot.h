@@ -11,6 +11,13 @@ namespace dkp_slam {
 /// computed anew.
 MapParts parts_of(const Map& map);
 
+/// One keyframe and the landmarks that it sees, as a small map of its own.
+struct Excerpt {
+  MapParts parts;              ///< the keyframe has id 0, the landmarks are counted from 0
+  std::vector<int> landmarks;  ///< their ids in the map that this was taken from, ascending
+};
+Excerpt excerpt_of(const Map& map, int keyframe);
+
 /// Per keyframe id: the keyframe itself, or its nearest ancestor in the map where it has been
 /// removed; -1 for none.
 std::vector<int> live_ancestors(const Map& map);

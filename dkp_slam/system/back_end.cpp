@@ -38,7 +38,7 @@ void BackEnd::finish(bool full_adjustment, const std::atomic<bool>* stop) {
       mapper_.make_way_for_move();
       loop_closer_.carry_out(map_);
     } else {
-      loop_closer_.advance(map_, places_, model_, frame_index_);
+      loop_closer_.advance(map_, places_, model_, frame_index_, true);
     }
   }
   mapper_.finish(full_adjustment, stop);
