@@ -115,7 +115,7 @@ std::optional<std::string> MapParts::check() const {
   if (const auto reason = camera.check()) return "camera: " + *reason;
   if (levels < 1 || levels > 64 || !(level_scale > 1.0F && level_scale < 10.0F))
     return "no sensible pyramid of levels";
-  if (const auto problem = problem_of_counts(keyframe_ids, landmark_ids, maps, current_map))
+  if (auto problem = problem_of_counts(keyframe_ids, landmark_ids, maps, current_map))
     return problem;
   if (!ids_in_order(keyframes, keyframe_ids)) return "the keyframes' ids are out of range";
   if (!ids_in_order(landmarks, landmark_ids)) return "the landmarks' ids are out of range";
