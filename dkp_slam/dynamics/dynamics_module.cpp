@@ -22,7 +22,8 @@ struct Work {
   std::uint64_t seed = 0;
   DepthView view;
   FeatureMotion motion;
-  cv::Mat labels;  // CV_8UC1, image size: i + 1 in the mask of the i-th object
+  bool few_outside = false;  // of the boxes are too few features to tell the camera's motion
+  cv::Mat labels;            // CV_8UC1, image size: i + 1 in the mask of the i-th object
 };
 
 }  // namespace
@@ -48,6 +49,7 @@ struct DynamicsModule::State {
   std::optional<Se3> measure_ego_motion(Work& work);
   void cut_masks(Work& work);
   void classify(Work& work, FrameDynamics& result);
+  void measure_ego_motion_again(Work& work, FrameDynamics& result);
   void follow_given_masks(const cv::Mat& grey, Work& work, FrameDynamics& result);
 };
 
@@ -75,7 +77,8 @@ std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
   for (std::size_t i = 0; i < support.size(); ++i) doubtful[i] = support[i] == 0 ? 1 : 0;
   const Se3 expected = parts.motion->current_from_previous();
   parts.planes->move(expected);
-  if (std::count(support.begin(), support.end(), 1) < options.motion.enough_outside) {
+  work.few_outside = std::count(support.begin(), support.end(), 1) < options.motion.enough_outside;
+  if (work.few_outside) {
     add_points_on_planes(work.view, work.points, parts.planes->planes(),
                          parts.planes->plane_options(), support);
   }
@@ -125,7 +128,9 @@ void DynamicsModule::State::classify(Work& work, FrameDynamics& result) {
     result.features[i].tracked = work.motion.tracks.tracked[i] != 0;
     result.features[i].motion_residual = work.motion.residual[i];
   }
-  parts.classifier->classify({work.points, regions, work.labels, work.motion}, result.features);
+  const RemovalInput input{work.points, regions, work.labels, work.motion};
+  parts.classifier->classify(input, result.features);
+  result.doubtful = parts.classifier->doubtful(input);
   if (!parts.flow_compensation) return;
   if (parts.objects->dropped_by_a_miss() > 0) {
     const FlowCompensation::Result found = parts.flow_compensation->compensate(
@@ -138,6 +143,15 @@ void DynamicsModule::State::classify(Work& work, FrameDynamics& result) {
   std::vector<std::uint8_t> is_static;
   for (const FeatureDynamics& f : result.features) is_static.push_back(f.is_static ? 1 : 0);
   parts.flow_compensation->remember(std::move(work.points), std::move(is_static));
+}
+
+/// What was found static in the boxes, outside the masks, tells where too little lies outside them.
+void DynamicsModule::State::measure_ego_motion_again(Work& work, FrameDynamics& result) {
+  std::vector<std::uint8_t> support;
+  for (const FeatureDynamics& f : result.features) support.push_back(f.is_static ? 1 : 0);
+  parts.motion->measure_ego_motion(work.frame.depth, work.points, support, work.seed, work.motion);
+  if (!work.motion.camera_motion || !work.motion.from_low_points) return;
+  result.current_from_previous = work.motion.camera_motion->previous_from_current.inverse();
 }
 
 /// Mode masks: the masks say what moves, and what lies outside them how the camera moved.
@@ -184,7 +198,7 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   if (!s.parts.classifier) return result;
 
   Stopwatch watch;
-  Work work{frame, {}, 0, {}, {}, {}};
+  Work work{frame, {}, 0, {}, {}, false, {}};
   cv::KeyPoint::convert(keypoints, work.points);
   work.seed = s.seed + static_cast<std::uint64_t>(frame.index) * 0x9E3779B97F4A7C15ULL;
   if (s.parts.given_masks) {
@@ -203,6 +217,7 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   result.clustering_ms = watch.lap_ms();
 
   s.classify(work, result);
+  if (s.parts.ego_motion && work.few_outside) s.measure_ego_motion_again(work, result);
   result.removal_ms += watch.lap_ms();
   return result;
 }

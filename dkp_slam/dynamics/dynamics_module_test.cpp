@@ -162,6 +162,25 @@ TEST(DynamicsModule, FindsAWalkerWhomNoDetectorSaw) {
   EXPECT_LT(run(DynamicsMode::dk, 0.75, 10, 0).removed, 0.01);
 }
 
+TEST(DynamicsModule, SeesTheCameraMoveBesideMasksWhereTooLittleLiesBesideBoxes) {
+  const World world(0.75);
+  DynamicsOptions options;
+  options.clustering.planes.max_planes = 0;  // no wall that would tell
+  options.motion.min_low_points = 840;       // outside the box lie 800, outside his mask 890
+  options.motion.enough_outside = 2000;
+  DynamicsModule module(test_camera(), options, 1);
+  for (int i = 0; i < 4; ++i) {
+    World::View v = world.at(i);
+    v.detection.box += cv::Point2f(-20.0F, -20.0F);
+    v.detection.box += cv::Size2f(40.0F, 40.0F);
+    const FrameDynamics result =
+        module.process(v.frame, v.grey, v.keypoints, {v.frame.timestamp, true, {v.detection}});
+    if (i == 0) continue;
+    ASSERT_TRUE(result.current_from_previous) << i;
+    EXPECT_NEAR(result.current_from_previous->translation.x(), -0.1 / 30.0, 1e-3) << i;
+  }
+}
+
 TEST(DynamicsModule, PaperCompensatesForOneMissedFrameWithoutABox) {
   const Score seen = run(DynamicsMode::paper, 0.75, 5, 100);
   const Score missed = run(DynamicsMode::paper, 0.75, 5, 5);

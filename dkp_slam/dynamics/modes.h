@@ -14,16 +14,16 @@ enum class DynamicsMode {
   d,         ///< all features in boxes go; missed detections are compensated
   dk,        ///< all features in the clustered masks go
   dkp,       ///< region weight times epipolar distance (Algorithm 2)
-  dkp_plus,  ///< ours: residuals against the measured ego-motion, and what is seen to move
+  dkp_plus,  ///< ours: masks with their outlines, and surfaces that are seen to move
 };
 
 /// What is known of a mode beside its parts.
 struct ModeInfo {
   DynamicsMode mode;
-  const char* name;      ///< as the user writes it: "dkp+"
-  const char* removes;   ///< in a few words
-  bool landmark_belief;  ///< TrackerOptions::use_belief in this mode
-  bool detector;         ///< whether it uses one
+  const char* name;     ///< as the user writes it: "dkp+"
+  const char* removes;  ///< in a few words
+  bool own_tracking;    ///< whether it tracks by more than the text: landmarks' belief, refill
+  bool detector;        ///< whether it uses one
 };
 
 /// All modes, the plainest first.

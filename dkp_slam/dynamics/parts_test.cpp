@@ -47,14 +47,14 @@ TEST(Parts, OursSeesMotionToo) {
   EXPECT_EQ(parts_of(DynamicsMode::dkp_plus),
             (Names{"object tracker with carried boxes", "flow", "ego-motion", "long baseline",
                    "static planes", "masks by clusters and surfaces", "moving surfaces",
-                   "residual rule"}));
+                   "mask and outline rule"}));
 }
 
 TEST(Modes, AreKnownByName) {
   for (const ModeInfo& m : dynamics_modes()) {
     EXPECT_EQ(mode_named(m.name), m.mode);
     EXPECT_EQ(mode_info(m.mode).name, std::string(m.name));
-    EXPECT_EQ(m.landmark_belief, m.mode != DynamicsMode::paper);
+    EXPECT_EQ(m.own_tracking, m.mode != DynamicsMode::paper);
     EXPECT_EQ(m.detector, m.mode != DynamicsMode::off && m.mode != DynamicsMode::masks);
   }
   EXPECT_EQ(mode_names(), "{off,masks,paper,d,dk,dkp,dkp+}");

@@ -94,7 +94,7 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
   }
 }
 
-OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
+OrbFeatures OrbExtractor::extract(const cv::Mat& grey, const cv::Mat& allowed) const {
   CV_Assert(grey.type() == CV_8UC1);
   cv::Mat ground = grey;
   const double enlargement = options_.enlargement;
@@ -113,7 +113,8 @@ OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
   std::vector<OrbFeatures> of_level(static_cast<std::size_t>(pyramid.levels()));
   cv::parallel_for_(cv::Range(0, pyramid.levels()), [&](const cv::Range& range) {
     for (int level = range.start; level < range.end; ++level) {
-      of_level[static_cast<std::size_t>(level)] = extract_level(pyramid.level(level), level);
+      of_level[static_cast<std::size_t>(level)] =
+          extract_level(pyramid.level(level), allowed, level);
     }
   });
   OrbFeatures out;
@@ -133,12 +134,13 @@ OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
   return out;
 }
 
-OrbFeatures OrbExtractor::extract_level(const cv::Mat& image, int level) const {
+OrbFeatures OrbExtractor::extract_level(const cv::Mat& image, const cv::Mat& allowed,
+                                        int level) const {
   OrbFeatures out;
   const auto l = static_cast<std::size_t>(level);
   const float scale = scales_[l];
   if (image.cols <= 2 * border || image.rows <= 2 * border) return out;
-  out.keypoints = detect_level(image, wanted_per_level_[l]);
+  out.keypoints = detect_level(image, allowed, wanted_per_level_[l]);
   add_angles(image, out.keypoints);
   // One level at a time on our own pyramid: OpenCV would build its own again, the slow exact way.
   cv::Mat rows;
@@ -154,13 +156,22 @@ OrbFeatures OrbExtractor::extract_level(const cv::Mat& image, int level) const {
   return out;
 }
 
-std::vector<cv::KeyPoint> OrbExtractor::detect_level(const cv::Mat& image, int wanted) const {
+std::vector<cv::KeyPoint> OrbExtractor::detect_level(const cv::Mat& image, const cv::Mat& allowed,
+                                                     int wanted) const {
   // FAST itself skips three pixels at the edge of what it is given.
   const cv::Rect inner(border - 3, border - 3, image.cols - 2 * border + 6,
                        image.rows - 2 * border + 6);
   std::vector<cv::KeyPoint> corners;
   cv::FAST(image(inner), corners, options_.fast_threshold, true);
   search_empty_cells(image(inner), options_.fast_low_threshold, corners);
+  if (!allowed.empty()) {
+    const float to_x = static_cast<float>(allowed.cols) / static_cast<float>(image.cols);
+    const float to_y = static_cast<float>(allowed.rows) / static_cast<float>(image.rows);
+    std::erase_if(corners, [&](const cv::KeyPoint& k) {
+      const cv::Point2f p = k.pt + cv::Point2f(inner.tl());
+      return allowed.at<uchar>(static_cast<int>(p.y * to_y), static_cast<int>(p.x * to_x)) == 0;
+    });
+  }
   corners = spread_by_quadtree(corners, cv::Rect2f(0, 0, inner.width, inner.height), wanted);
   for (cv::KeyPoint& k : corners) {
     k.pt += cv::Point2f(inner.tl());

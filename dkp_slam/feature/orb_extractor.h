@@ -40,16 +40,18 @@ class OrbExtractor {
  public:
   explicit OrbExtractor(const OrbOptions& options = {});
 
-  /// `grey`: CV_8UC1. Deterministic.
-  OrbFeatures extract(const cv::Mat& grey) const;
+  /// `grey`: CV_8UC1. `allowed`: CV_8UC1 of the same size, 0 where no corner is wanted; empty:
+  /// wanted everywhere. Deterministic.
+  OrbFeatures extract(const cv::Mat& grey, const cv::Mat& allowed = {}) const;
 
   const OrbOptions& options() const { return options_; }
   /// Side length of a pixel of a level in pixels of level 0.
   float scale_of(int level) const { return scales_[static_cast<std::size_t>(level)]; }
 
  private:
-  OrbFeatures extract_level(const cv::Mat& image, int level) const;
-  std::vector<cv::KeyPoint> detect_level(const cv::Mat& image, int wanted) const;
+  OrbFeatures extract_level(const cv::Mat& image, const cv::Mat& allowed, int level) const;
+  std::vector<cv::KeyPoint> detect_level(const cv::Mat& image, const cv::Mat& allowed,
+                                         int wanted) const;
   void add_angles(const cv::Mat& image, std::vector<cv::KeyPoint>& keypoints) const;
 
   OrbOptions options_;

@@ -37,6 +37,16 @@ TEST(OrbExtractor, WeakTextureBesideStrongGetsItsShare) {
   EXPECT_GT(weak, 130);
 }
 
+TEST(OrbExtractor, TakesCornersWhereTheyAreAllowedAndAllOfThemThere) {
+  const cv::Mat image = texture(4);
+  cv::Mat allowed = cv::Mat::zeros(image.size(), CV_8UC1);
+  allowed(cv::Rect(100, 200, 240, 180)) = 1;
+  const OrbFeatures features = OrbExtractor().extract(image, allowed);
+  EXPECT_GT(features.keypoints.size(), 600U);
+  const cv::Rect2f area(98.0F, 198.0F, 245.0F, 185.0F);  // a level's pixel is up to 3.6 wide
+  for (const cv::KeyPoint& k : features.keypoints) EXPECT_TRUE(area.contains(k.pt)) << k.pt;
+}
+
 TEST(OrbExtractor, FollowsAShiftAndARightAngle) {
   const cv::Mat image = texture(3);
   cv::Mat turned;

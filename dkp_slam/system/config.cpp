@@ -19,6 +19,7 @@ void SlamConfig::describe(OptionList& list) {
   list.add_part("detector", detector, "finds objects that may move");
   list.add_part("dynamics", dynamics, "what moves, and which features are static");
   list.add_part("orb", orb, "features of an image");
+  list.add_part("refill", refill, "more features where people leave little of the room to be seen");
   list.add_part("measurement", measurement, "how observations are weighted");
   list.add_part("places", places, "finds keyframes that look like a frame");
   list.add_part("tracking", tracking, "the pose of every frame");

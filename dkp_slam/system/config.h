@@ -10,6 +10,7 @@
 #include "dkp_slam/loop/loop_closer.h"
 #include "dkp_slam/mapping/mapper.h"
 #include "dkp_slam/optimization/observation.h"
+#include "dkp_slam/system/feature_refill.h"
 #include "dkp_slam/tracking/tracker.h"
 
 namespace dkp_slam {
@@ -21,6 +22,7 @@ struct SlamConfig {
   DetectorOptions detector;  ///< for make_detector: the system is handed the detector itself
   DynamicsOptions dynamics;
   OrbOptions orb;
+  FeatureRefillOptions refill;
   MeasurementModel measurement;
   PlaceIndexOptions places;
   TrackerOptions tracking;

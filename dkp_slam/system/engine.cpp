@@ -13,10 +13,16 @@ const SlamConfig& checked(const SlamConfig& config) {
   return config;
 }
 
-/// The mode may go without the landmarks' belief, too.
+/// The mode may go without what is ours in tracking, too.
 TrackerOptions tracker_options(const SlamConfig& all) {
   TrackerOptions options = all.tracking;
-  options.use_belief = options.use_belief && mode_info(all.dynamics.mode).landmark_belief;
+  options.use_belief = options.use_belief && mode_info(all.dynamics.mode).own_tracking;
+  return options;
+}
+
+FeatureRefillOptions refill_options(const SlamConfig& all) {
+  FeatureRefillOptions options = all.refill;
+  if (!mode_info(all.dynamics.mode).own_tracking) options.below = 0;
   return options;
 }
 
@@ -31,7 +37,8 @@ Engine::Engine(const SlamConfig& config, std::optional<Map> stored)
                 {config.mapping, config.loop, config.close_loops}, config.realtime, config.seed),
       tracker_(map_, places_, config.measurement, tracker_options(config), config.localize_only,
                config.seed),
-      dynamics_(config.camera, config.dynamics, config.seed) {
+      dynamics_(config.camera, config.dynamics, config.seed),
+      refill_(config.orb, refill_options(config)) {
   for (int k = 0; k < first_keyframe_; ++k) {
     if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
   }
@@ -48,6 +55,7 @@ std::shared_ptr<FrameSnapshot> Engine::track(PreparedFrame prepared) {
 
   snapshot->dynamics =
       dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints, prepared.detections);
+  refill_.refill(prepared.grey, prepared.orb, snapshot->dynamics);
   const FrameDynamics& dynamics = snapshot->dynamics;
   result.clustering_ms = dynamics.clustering_ms;
   result.removal_ms = dynamics.removal_ms;

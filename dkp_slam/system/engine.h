@@ -10,6 +10,7 @@
 #include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/system/back_end.h"
 #include "dkp_slam/system/config.h"
+#include "dkp_slam/system/feature_refill.h"
 #include "dkp_slam/system/frame_pipeline.h"
 #include "dkp_slam/system/frame_result.h"
 #include "dkp_slam/system/pose_log.h"
@@ -53,6 +54,7 @@ class Engine {
   Tracker tracker_;
   PoseLog poses_;  // of all localised frames of this run
   DynamicsModule dynamics_;
+  FeatureRefill refill_;
 };
 
 }  // namespace dkp_slam

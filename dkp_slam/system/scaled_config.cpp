@@ -34,9 +34,6 @@ void scale_pixels(double pixels, DynamicsOptions& dynamics) {
   const auto narrow = [noise](auto& threshold) {
     threshold = static_cast<std::remove_reference_t<decltype(threshold)>>(noise * threshold);
   };
-  RemovalOptions& removal = dynamics.removal;
-  narrow(removal.residual);
-  narrow(removal.residual_long);
   narrow(dynamics.surfaces.moving_short);
   narrow(dynamics.surfaces.moving_long);
   narrow(dynamics.surfaces.still_long);
@@ -52,6 +49,7 @@ void scale_pixels(double pixels, DynamicsOptions& dynamics) {
 SlamConfig scaled_to_camera(const SlamConfig& config) {
   const SensorScale scale = SensorScale::of(config.camera);
   SlamConfig scaled = config;
+  scaled.refill.margin = cvRound(scale.pixels * config.refill.margin);
   if (scale.pixels < 1.0) {
     // What the pixel noise stands for (blur, lens, depth read beside the corner) is an angle. A
     // larger image shows its corners as sharply as it can: there it stays (measured: 1280 with

@@ -23,7 +23,8 @@ TEST(ScaledConfig, NothingChangesAtTheUsualSizeAndRate) {
   EXPECT_EQ(scaled.measurement.pixel_sigma, config.measurement.pixel_sigma);
   EXPECT_EQ(scaled.orb.levels, config.orb.levels);
   EXPECT_EQ(scaled.orb.enlargement, 1.0);
-  EXPECT_EQ(scaled.dynamics.removal.residual, config.dynamics.removal.residual);
+  EXPECT_EQ(scaled.dynamics.surfaces.moving_short, config.dynamics.surfaces.moving_short);
+  EXPECT_EQ(scaled.refill.margin, config.refill.margin);
   EXPECT_EQ(scaled.dynamics.surfaces.moving_short, config.dynamics.surfaces.moving_short);
   EXPECT_EQ(scaled.dynamics.motion.min_lag_pixels, config.dynamics.motion.min_lag_pixels);
   EXPECT_EQ(scaled.dynamics.motion.max_lag_pixels, config.dynamics.motion.max_lag_pixels);
@@ -58,17 +59,20 @@ TEST(ScaledConfig, AnImageIsDoubledAtMost) {
 
 TEST(ScaledConfig, PixelsOfTheDynamicsShrinkWithTheImage) {
   const DynamicsOptions small = scaled_to_camera(config_of(320, 30.0)).dynamics;
-  EXPECT_FLOAT_EQ(small.removal.residual, 1.0606602F);  // 1.5 px, times the root of a half
-  EXPECT_FLOAT_EQ(small.removal.residual_long, 1.7677670F);
-  EXPECT_FLOAT_EQ(small.surfaces.moving_short, 1.0606602F);
+  EXPECT_FLOAT_EQ(small.surfaces.moving_short, 1.0606602F);  // 1.5 px, times the root of a half
   EXPECT_FLOAT_EQ(small.surfaces.moving_long, 1.7677670F);
   EXPECT_FLOAT_EQ(small.surfaces.still_long, 0.84852814F);
   EXPECT_DOUBLE_EQ(small.motion.min_lag_pixels, 1.0);
   EXPECT_DOUBLE_EQ(small.motion.max_lag_pixels, 4.0);
   EXPECT_EQ(small.removal.mask_margin, 2);
   const DynamicsOptions large = scaled_to_camera(config_of(1280, 30.0)).dynamics;
-  EXPECT_EQ(large.removal.residual, 1.5F);
+  EXPECT_EQ(large.surfaces.moving_short, 1.5F);
   EXPECT_EQ(large.motion.max_lag_pixels, 8.0);
+}
+
+TEST(ScaledConfig, NewFeaturesKeepTheSameAngleFromPeople) {
+  EXPECT_EQ(scaled_to_camera(config_of(320, 30.0)).refill.margin, 7);
+  EXPECT_EQ(scaled_to_camera(config_of(1280, 30.0)).refill.margin, 28);
 }
 
 TEST(ScaledConfig, FlowReachesOverTheLongBaselineAtAnyRate) {

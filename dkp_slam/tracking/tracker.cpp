@@ -289,9 +289,16 @@ bool Tracker::keyframe_is_due(const Frame& frame, bool adjusting) const {
     if (!frame.is_static[s] || depth <= 0.0F || depth > 40.0 * map_.camera().baseline) continue;
     (frame.landmark[s] >= 0 ? near_tracked : near_free) += 1;
   }
-  const bool need_near = near_tracked < 100 && near_free > 70;
-  if (adjusting) return tracked_landmarks_ < options_.urgent_share * reference_landmarks;
-  return tracked_landmarks_ < options_.keyframe_share * reference_landmarks || need_near;
+  constexpr int few = 100, many = 70;
+  const bool need_near = near_tracked < few && near_free > many;
+  const double wanted = adjusting ? options_.urgent_share : options_.keyframe_share;
+  if (tracked_landmarks_ < wanted * reference_landmarks) return true;
+  // While the last one is still adjusted its landmarks have to do, but for a view that is left by
+  // them within a few frames, as one that people hide.
+  constexpr double rest = 0.1;  // seconds
+  if (adjusting && frame.timestamp - keyframe_time_ < rest) return false;
+  const bool sure = tracked_landmarks_ >= options_.least_for_motion;
+  return need_near && (!adjusting || (sure && tracked_landmarks_ < few));
 }
 
 void Tracker::follow_map_changes() {

@@ -288,16 +288,16 @@ TEST_F(Tracking, AKeyframeIsDueWhenFewOfTheReferencesLandmarksAreTracked) {
 }
 
 TEST_F(Tracking, AKeyframeIsDueWhereNearFeaturesWaitForALandmark) {
-  options.keyframe_share = 0.0;  // that rule is another test's
+  options.keyframe_share = options.urgent_share = 0.0;  // those rules are another test's
   Frame first = frame_at({}, 0);
   ASSERT_TRUE(track(first).keyframe_due);
-  const auto due = [&](int index, int tracked, int fresh) {
+  const auto due = [&](int index, int tracked, int fresh, bool adjusting = false) {
     Frame frame = frame_at({}, index);
     keep_static(frame, tracked + fresh);
     forget_points(frame, fresh);
     // What nothing static is seen of would be found in the map again, as trusted.
     for (const int l : map.landmarks()) map.landmark(l).dynamic_log_odds = 0.0F;
-    const bool result = tracker().track(frame, false).keyframe_due;
+    const bool result = tracker().track(frame, adjusting).keyframe_due;
     EXPECT_EQ(tracker().tracked_landmarks(), tracked);
     tracker().settle(frame, false);
     return result;
@@ -305,6 +305,10 @@ TEST_F(Tracking, AKeyframeIsDueWhereNearFeaturesWaitForALandmark) {
   EXPECT_TRUE(due(1, 90, 80));    // few tracked and many to gain
   EXPECT_FALSE(due(2, 110, 80));  // enough tracked
   EXPECT_FALSE(due(3, 90, 65));   // little to gain
+  // While the last one is adjusted: not in the next frames, and not from a pose that may be poor.
+  EXPECT_FALSE(due(2, 90, 80, true));
+  EXPECT_TRUE(due(4, 90, 80, true));
+  EXPECT_FALSE(due(5, options.least_for_motion - 2, 200, true));
 }
 
 TEST_F(Tracking, NoKeyframeIsDueWhileSomebodyFillsTheView) {

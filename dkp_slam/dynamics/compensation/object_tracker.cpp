@@ -85,6 +85,7 @@ void ObjectTracker::predict(double time, const cv::Size& image,
     t.object.compensated = true;
     t.silhouette.release();
   }
+  passed_ = time - last_time_;
   last_time_ = time;
 }
 
@@ -265,7 +266,10 @@ cv::Mat ObjectTracker::cover(const cv::Size& view_size) const {
   boxes |= silhouettes;
   constexpr double most = 0.75;  // of the image
   const bool too_much = cv::countNonZero(boxes) > most * static_cast<double>(boxes.total());
-  return too_much && cv::countNonZero(silhouettes) > 0 ? silhouettes : boxes;
+  // Over a gap people have moved out of their silhouettes, and two backs make a plane.
+  constexpr double gap = 0.1;  // seconds
+  const bool known = passed_ < gap && cv::countNonZero(silhouettes) > 0;
+  return too_much && known ? silhouettes : boxes;
 }
 
 ObjectPrior ObjectTracker::prior_of(const Tracked& t) {

@@ -130,6 +130,7 @@ class ObjectTracker {
   ObjectTrackerOptions options_;
   std::vector<Tracked> objects_;
   double last_time_ = 0.0;
+  double passed_ = 0.0;  ///< seconds from the frame before to this one
   double last_answer_ = -std::numeric_limits<double>::infinity();  ///< its image's time, seconds
   int dropped_by_a_miss_ = 0;
   int next_id_ = 1;

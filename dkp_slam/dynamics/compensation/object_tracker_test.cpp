@@ -107,6 +107,24 @@ TEST(ObjectTracker, KeepsTwoPeopleApart) {
   EXPECT_FLOAT_EQ(tracker.objects()[1].object.box.x, 345.0F);
 }
 
+TEST(ObjectTracker, CoversWholeBoxesAfterAGapAndElseSilhouettesWhereBoxesFillTheView) {
+  const cv::Size view(160, 120);
+  for (const double gap : {1.0 / 30.0, 0.16}) {
+    ObjectTracker tracker({});
+    Detection two = person(20, 0.8F);
+    two.box = {0.0F, 0.0F, 640.0F, 460.0F};
+    update(tracker, 0.0, {two}, {});
+    ObjectMask mask;
+    mask.area = {60, 30, 40, 80};
+    mask.mask = cv::Mat(mask.area.size(), CV_8UC1, cv::Scalar(255));
+    mask.mean_depth = 2.0F;
+    tracker.set_mask(0, mask, true);
+    update(tracker, gap, {two}, {cv::Point2f(0.0F, 0.0F)});
+    const double share = cv::countNonZero(tracker.cover(view)) / (160.0 * 120.0);
+    EXPECT_NEAR(share, gap < 0.1 ? 40.0 * 80.0 / (160.0 * 120.0) : 460.0 / 480.0, 0.02) << gap;
+  }
+}
+
 TEST(ObjectTracker, SeenToMoveIsAsGoodAsDetected) {
   ObjectTracker tracker({});
   update(tracker, 0.0, {person(200, 0.8F)}, {});

@@ -28,6 +28,9 @@ class FeatureClassifier {
   /// `motion_residual` of the features are known.
   virtual void classify(const RemovalInput& input,
                         std::vector<FeatureDynamics>& features) const = 0;
+  /// CV_8UC1, image size: not 0 where nothing is static before the rule has looked at it; empty
+  /// without objects.
+  virtual cv::Mat doubtful(const RemovalInput& input) const;
 };
 
 }  // namespace dkp_slam

@@ -19,11 +19,17 @@ class BoxRule : public FeatureClassifier {
   void classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const override;
 };
 
-/// Removes what lies in the mask of an object that moves by itself.
+/// Removes what lies in the mask of an object that moves by itself, or within `margin` pixels of
+/// it.
 class MaskRule : public FeatureClassifier {
  public:
-  std::string name() const override { return "mask rule"; }
+  explicit MaskRule(int margin = 0) : margin_(margin) {}
+  std::string name() const override { return margin_ > 0 ? "mask and outline rule" : "mask rule"; }
   void classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const override;
+  cv::Mat doubtful(const RemovalInput& input) const override;
+
+ private:
+  int margin_;
 };
 
 /// Removes what lies in a mask that was given with the image, or within `margin` pixels of one.
@@ -32,6 +38,7 @@ class GivenMaskRule : public FeatureClassifier {
   explicit GivenMaskRule(int margin) : margin_(margin) {}
   std::string name() const override { return "given mask rule"; }
   void classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const override;
+  cv::Mat doubtful(const RemovalInput& input) const override;
 
  private:
   int margin_;

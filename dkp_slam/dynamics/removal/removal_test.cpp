@@ -3,29 +3,22 @@
 #include "dkp_slam/dynamics/removal/epipolar_rule.h"
 #include "dkp_slam/dynamics/removal/region_rules.h"
 #include "dkp_slam/dynamics/removal/regions.h"
-#include "dkp_slam/dynamics/removal/residual_rule.h"
+#include "dkp_slam/dynamics/removal/removal_options.h"
 
 namespace dkp_slam {
 namespace {
 
-FeatureDynamics feature(Region region, float weight, float d, float residual) {
+FeatureDynamics feature(Region region, float weight, float d) {
   FeatureDynamics f;
   f.region = region;
   f.weight = weight;
   f.tracked = true;
   f.epipolar_distance = d;
-  f.motion_residual = residual;
   return f;
 }
 
 bool by_epipolar(const FeatureDynamics& f) {
   return EpipolarRule({}, {}, RemovalOptions{}.epsilon).is_static(f);
-}
-
-bool by_residual(const FeatureDynamics& f, bool self_moving) {
-  ResidualRule::Evidence evidence;
-  evidence.self_moving = self_moving;
-  return ResidualRule({}).is_static(f, evidence);
 }
 
 TEST(Regions, EquationSixAsMeantAndAsPrinted) {
@@ -97,47 +90,40 @@ TEST_F(Rules, MasksOfWhatMovesByItselfGo) {
   EXPECT_EQ(kept_by(MaskRule()), (std::vector<bool>{false, true, true, true, true, true, true}));
 }
 
-TEST_F(Rules, MasksOfPeopleGoWithTheirOutlinesAndElseWhatIsSeenToMove) {
-  const ResidualRule rule({});
-  EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, true, true, true, true, true}));
-  motion_.long_residual[2] = motion_.long_residual[3] = 3.0F;
-  EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, false, false, true, true, true}));
+TEST_F(Rules, MasksOfWhatMovesByItselfGoWithTheirOutlines) {
+  EXPECT_EQ(kept_by(MaskRule(2)), (std::vector<bool>{false, false, true, true, true, true, true}));
 }
 
-TEST_F(Rules, WhatIsSeenToMoveIsMoreThanTheNoise) {
-  motion_.long_residual.assign(points_.size(), 3.0F);
-  motion_.camera_motion.emplace();
-  motion_.camera_motion->noise = 0.7;  // four of these are 2.8 px
-  EXPECT_EQ(kept_by(ResidualRule({})),
-            (std::vector<bool>{false, false, false, false, false, false, true}));
-  motion_.camera_motion->noise = 0.8;  // and of these 3.2
-  EXPECT_EQ(kept_by(ResidualRule({})),
-            (std::vector<bool>{false, false, true, true, true, true, true}));
+TEST_F(Rules, KnowWhereNothingIsStaticUnseen) {
+  const RemovalInput input{points_, objects_, labels_, motion_};
+  const auto doubtful = [&](const FeatureClassifier& rule) {
+    std::vector<bool> at;
+    for (const cv::Point2f& p : points_) at.push_back(label_at(rule.doubtful(input), p) != 0);
+    return at;
+  };
+  EXPECT_EQ(doubtful(BoxRule()), (std::vector<bool>{true, true, true, true, true, true, false}));
+  EXPECT_EQ(doubtful(EpipolarRule({}, {}, 1.0F)), doubtful(BoxRule()));
+  EXPECT_EQ(doubtful(MaskRule()),
+            (std::vector<bool>{true, false, false, false, false, false, false}));
+  EXPECT_EQ(doubtful(GivenMaskRule(2)),
+            (std::vector<bool>{true, false, false, true, false, false, false}));
+  const std::vector<ObjectRegions> nobody;
+  EXPECT_TRUE(BoxRule().doubtful({points_, nobody, labels_, motion_}).empty());
 }
 
 TEST(Removal, PaperWeighsTheEpipolarDistance) {
-  EXPECT_TRUE(by_epipolar(feature(Region::high, 4.0F, 0.2F, 9.0F)));
-  EXPECT_FALSE(by_epipolar(feature(Region::high, 4.0F, 0.3F, 0.0F)));
-  EXPECT_TRUE(by_epipolar(feature(Region::suspicious, 2.0F, 0.3F, 0.0F)));
-  EXPECT_FALSE(by_epipolar(feature(Region::low, 1.0F, 1.2F, 0.0F)));
+  EXPECT_TRUE(by_epipolar(feature(Region::high, 4.0F, 0.2F)));
+  EXPECT_FALSE(by_epipolar(feature(Region::high, 4.0F, 0.3F)));
+  EXPECT_TRUE(by_epipolar(feature(Region::suspicious, 2.0F, 0.3F)));
+  EXPECT_FALSE(by_epipolar(feature(Region::low, 1.0F, 1.2F)));
 }
 
 TEST(Removal, WhatFlowCannotFollowIsNoProofOfMotion) {
   FeatureDynamics lost;
   lost.region = Region::low;
   EXPECT_TRUE(by_epipolar(lost));
-  EXPECT_TRUE(by_residual(lost, false));
   lost.region = Region::suspicious;
   EXPECT_FALSE(by_epipolar(lost));
-  EXPECT_TRUE(by_residual(lost, true));
-}
-
-TEST(Removal, OnlyBoxesLosePointsThatMove) {
-  EXPECT_TRUE(by_residual(feature(Region::suspicious, 2, 0, 1.4F), true));
-  EXPECT_FALSE(by_residual(feature(Region::suspicious, 2, 0, 1.6F), true));
-  EXPECT_TRUE(by_residual(feature(Region::high, 2, 0, 1.4F), false));
-  EXPECT_FALSE(by_residual(feature(Region::high, 2, 0, 1.6F), false));
-  EXPECT_TRUE(by_residual(feature(Region::low, 1, 0, 20.0F), false));
 }
 
 }  // namespace

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "dkp_slam/dynamics/frame_dynamics.h"
+#include "dkp_slam/feature/orb_extractor.h"
+
+namespace dkp_slam {
+
+class OptionList;
+
+struct FeatureRefillOptions {
+  int below = 500;     ///< static features; an image with fewer gets more
+  int features = 800;  ///< spread over what is not dynamic, with those that are known already
+  /// From what is dynamic, pixels: corners on an outline move with the person, and a descriptor
+  /// takes in what lies 15 pixels (of its level) around.
+  int margin = 14;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
+};
+
+/// More features where people leave little of the room to be seen: the extractor spreads its own
+/// over the whole image, and most of them lie on the people then.
+class FeatureRefill {
+ public:
+  FeatureRefill(const OrbOptions& orb, const FeatureRefillOptions& options);
+
+  /// Appends to `features`, and their verdict (static) to `dynamics`, where too few of them are
+  /// static and what is doubtful hides others. `grey`: CV_8UC1, their image. Deterministic.
+  void refill(const cv::Mat& grey, OrbFeatures& features, FrameDynamics& dynamics) const;
+
+ private:
+  FeatureRefillOptions options_;
+  OrbExtractor extractor_;
+};
+
+}  // namespace dkp_slam
