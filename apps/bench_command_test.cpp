@@ -129,7 +129,10 @@ TEST_F(BenchCommand, MasksAreAModeOfSequencesThatHaveThem) {
   for (int i = 0; i < frame_count; ++i) {
     cv::imwrite(wall() / "mask" / (WallSequence::stamp(i) + ".png"), mask);
   }
-  ASSERT_EQ(bench({wall(), "--modes", "masks", "--repeat", "1", "--out", out()}), 0) << stderr_;
+  ASSERT_EQ(bench({wall(), "--modes", "masks", "--repeat", "1", "--set", "refill.below=0", "--out",
+                   out()}),
+            0)
+      << stderr_;
   const std::vector<RunRecord> lines = records();
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_EQ(run_name(lines[0]), "wall/masks-none/seed1");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "dkp_slam/synth/true_detections.h"
 #include "tests/support/recording.h"
@@ -91,6 +92,23 @@ TEST(TwinsWithoutDetections, ForASecond) {
   EXPECT_EQ(outcome.lost(), std::vector<int>());
   for (int i = from; i < to; ++i) EXPECT_EQ(outcome.frames[std::size_t(i)].detections, 0);
   EXPECT_LT(room.error(outcome.path), 0.012);  // measured: 0.0071
+}
+
+TEST(TwinsFromTheFirstFrameOn, SomebodyFillsMostOfTheView) {
+  constexpr std::size_t frames = 100;  // then he passes so near that three quarters are hidden
+  const Recording room("covered_start", frames, 0, divisor);
+  double covered = 0.0;
+  for (std::size_t i = 0; i < 60; ++i) covered += cv::mean(room.truths[i].mask)[0] / 255.0 / 60;
+  ASSERT_GT(covered, 0.55);
+  for (const bool exact : {true, false}) {
+    SCOPED_TRACE(exact ? "exact boxes" : "motion detector");
+    const Outcome outcome =
+        run(room.play(), exact ? std::make_unique<ExactBoxes>(room) : motion_detector(room.camera),
+            room.camera, DynamicsMode::dkp_plus);
+    EXPECT_EQ(outcome.lost(), std::vector<int>());
+    EXPECT_EQ(outcome.path.size(), frames);  // one map, the first one
+    EXPECT_LT(room.error(outcome.path), 0.02);
+  }
 }
 
 }  // namespace

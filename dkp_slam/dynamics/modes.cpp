@@ -16,7 +16,7 @@ const std::vector<ModeInfo>& dynamics_modes() {
       {DynamicsMode::d, "d", "boxes", true, true},
       {DynamicsMode::dk, "dk", "clustered masks", true, true},
       {DynamicsMode::dkp, "dkp", "by region weight times epipolar distance", true, true},
-      {DynamicsMode::dkp_plus, "dkp+", "masks, and surfaces that are seen to move", true, true}};
+      {DynamicsMode::dkp_plus, "dkp+", "masks, and what is seen to move", true, true}};
   return modes;
 }
 

@@ -14,7 +14,7 @@ enum class DynamicsMode {
   d,         ///< all features in boxes go; missed detections are compensated
   dk,        ///< all features in the clustered masks go
   dkp,       ///< region weight times epipolar distance (Algorithm 2)
-  dkp_plus,  ///< ours: masks with their outlines, and surfaces that are seen to move
+  dkp_plus,  ///< ours: masks with their outlines, and what is seen to move
 };
 
 /// What is known of a mode beside its parts.

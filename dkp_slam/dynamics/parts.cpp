@@ -4,6 +4,7 @@
 
 #include "dkp_slam/dynamics/removal/epipolar_rule.h"
 #include "dkp_slam/dynamics/removal/region_rules.h"
+#include "dkp_slam/dynamics/removal/residual_rule.h"
 
 namespace dkp_slam {
 namespace {
@@ -77,7 +78,7 @@ DynamicsParts make_parts(const Camera& camera, const DynamicsOptions& given) {
     default:
       parts.long_baseline = true;
       parts.surfaces = std::make_unique<MovingSurfaces>(options.surfaces);
-      parts.classifier = std::make_unique<MaskRule>(options.removal.mask_margin);
+      parts.classifier = std::make_unique<ResidualRule>(options.removal);
       break;
   }
   return parts;

@@ -47,7 +47,7 @@ TEST(Parts, OursSeesMotionToo) {
   EXPECT_EQ(parts_of(DynamicsMode::dkp_plus),
             (Names{"object tracker with carried boxes", "flow", "ego-motion", "long baseline",
                    "static planes", "masks by clusters and surfaces", "moving surfaces",
-                   "mask and outline rule"}));
+                   "residual rule"}));
 }
 
 TEST(Modes, AreKnownByName) {

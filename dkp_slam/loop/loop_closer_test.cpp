@@ -318,9 +318,9 @@ TEST(LoopCloserTest, InRealTimeItIsClosedAsSoonAsItIsSolved) {
   LoopCloserOptions options;
   options.delay = 1000000;
   RoundTrip trip(frames_per_step, options, true);
-  for (int i = 0; i < 200 && trip.closer->closed().empty(); ++i) {
+  for (int i = 0; i < 2000 && trip.closer->closed().empty(); ++i) {
     if (trip.map.keyframe_ids() < RoundTrip::steps_around) trip.step(true);
-    std::this_thread::sleep_for(std::chrono::milliseconds(trip.closer->waiting() ? 20 : 0));
+    std::this_thread::sleep_for(std::chrono::milliseconds(trip.closer->busy() ? 20 : 0));
     trip.frame();
   }
   EXPECT_EQ(trip.closer->closed().size(), 1U);

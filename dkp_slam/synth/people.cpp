@@ -246,6 +246,29 @@ void close_up(std::uint64_t seed, Scenario& scenario) {
   add_person(scenario, seed, 1, options);
 }
 
+void covered_start(std::uint64_t seed, Scenario& scenario) {
+  constexpr double in_motion = 3.0;  // seconds since the camera was at rest
+  scenario.camera = [path = scenario.camera](double time) { return path(time + in_motion); };
+  // Where the camera looks while he stands there, an arm's length ahead; hands that reach out would
+  // hide all.
+  constexpr double stays = 3.0;  // seconds
+  Vector2d eye = Vector2d::Zero(), ahead = Vector2d::Zero();
+  for (double time = 0.0; time < stays; time += 0.1) {
+    const Se3 camera = scenario.camera(time);
+    eye += camera.translation.head<2>();
+    ahead += (camera.rotation * Vector3d::UnitZ()).head<2>();
+  }
+  eye /= stays / 0.1;
+  const Vector2d place = eye + 0.58 * ahead.normalized();
+  const Vector2d away(1.90, 0.30);
+  FigureOptions options =
+      standing(place, -0.5 * pi,
+               {stand(-0.5 * pi, stays, Gesture::phone), walk(0.9, -0.3), walk(away),
+                stand(pi, 3.0, Gesture::phone), walk(-0.90, 0.10), walk(away), stand(pi, 30.0)});
+  options.repeat = false;
+  add_person(scenario, seed, 1, options);
+}
+
 void moved_furniture(std::uint64_t seed, Scenario& scenario) {
   cv::RNG rng = generator(seed);
   // A cabinet beside the desk; its lowest drawers stay closed.

@@ -19,6 +19,9 @@ void two_sit(std::uint64_t seed, Scenario& scenario);
 void crowd(std::uint64_t seed, Scenario& scenario);
 /// Somebody walks right past the camera, comes back, and stands before it for four seconds.
 void close_up(std::uint64_t seed, Scenario& scenario);
+/// Somebody stands right before the camera, which already turns when the recording begins, fills
+/// more than half of the view, and walks off after some seconds. Sets the camera's motion back.
+void covered_start(std::uint64_t seed, Scenario& scenario);
 /// Somebody pushes a chair, opens a drawer and carries a box away; a robot drives about and the
 /// drawer closes when nobody is in view.
 void moved_furniture(std::uint64_t seed, Scenario& scenario);

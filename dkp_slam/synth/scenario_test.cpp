@@ -107,8 +107,8 @@ void expect_room_to_move(const std::string& name) {
 }
 
 TEST(Scenario, PeopleDoNotWalkThroughThings) {
-  for (const char* name :
-       {"walking_xyz", "sitting_xyz", "crowd", "close_up", "moved_furniture", "flat_loop"}) {
+  for (const char* name : {"walking_xyz", "sitting_xyz", "crowd", "close_up", "covered_start",
+                           "moved_furniture", "flat_loop"}) {
     expect_room_to_move(name);
   }
 }
@@ -131,7 +131,7 @@ TEST(Scenario, PeopleKeepClearOfTheCamera) {
       }
     }
   }
-  for (const char* name : {"close_up", "moved_furniture", "flat_loop"}) {
+  for (const char* name : {"close_up", "covered_start", "moved_furniture", "flat_loop"}) {
     SCOPED_TRACE(name);
     expect_clear(scenario_of(name), scenario_of(name).camera);
   }
@@ -249,7 +249,7 @@ TEST(Scenario, TheLampsGoOffAndOnAgain) {
 }
 
 TEST(Scenario, KnowsItsNames) {
-  EXPECT_EQ(scenario_names().size(), 13U);
+  EXPECT_EQ(scenario_names().size(), 14U);
   EXPECT_EQ(scenario_names().front().name, "walking_xyz");
   EXPECT_EQ(default_frames("walking_xyz"), 600U);
   EXPECT_GT(default_frames("flat_loop"), 1000U);

@@ -34,6 +34,8 @@ void scale_pixels(double pixels, DynamicsOptions& dynamics) {
   const auto narrow = [noise](auto& threshold) {
     threshold = static_cast<std::remove_reference_t<decltype(threshold)>>(noise * threshold);
   };
+  narrow(dynamics.removal.residual);
+  narrow(dynamics.removal.residual_long);
   narrow(dynamics.surfaces.moving_short);
   narrow(dynamics.surfaces.moving_long);
   narrow(dynamics.surfaces.still_long);

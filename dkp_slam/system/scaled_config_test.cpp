@@ -59,6 +59,8 @@ TEST(ScaledConfig, AnImageIsDoubledAtMost) {
 
 TEST(ScaledConfig, PixelsOfTheDynamicsShrinkWithTheImage) {
   const DynamicsOptions small = scaled_to_camera(config_of(320, 30.0)).dynamics;
+  EXPECT_FLOAT_EQ(small.removal.residual, 2.8284271F);  // 4 px, times the root of a half
+  EXPECT_FLOAT_EQ(small.removal.residual_long, 4.2426407F);
   EXPECT_FLOAT_EQ(small.surfaces.moving_short, 1.0606602F);  // 1.5 px, times the root of a half
   EXPECT_FLOAT_EQ(small.surfaces.moving_long, 1.7677670F);
   EXPECT_FLOAT_EQ(small.surfaces.still_long, 0.84852814F);
@@ -66,6 +68,7 @@ TEST(ScaledConfig, PixelsOfTheDynamicsShrinkWithTheImage) {
   EXPECT_DOUBLE_EQ(small.motion.max_lag_pixels, 4.0);
   EXPECT_EQ(small.removal.mask_margin, 2);
   const DynamicsOptions large = scaled_to_camera(config_of(1280, 30.0)).dynamics;
+  EXPECT_EQ(large.removal.residual, 4.0F);
   EXPECT_EQ(large.surfaces.moving_short, 1.5F);
   EXPECT_EQ(large.motion.max_lag_pixels, 8.0);
 }

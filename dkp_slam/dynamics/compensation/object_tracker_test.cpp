@@ -121,7 +121,11 @@ TEST(ObjectTracker, CoversWholeBoxesAfterAGapAndElseSilhouettesWhereBoxesFillThe
     tracker.set_mask(0, mask, true);
     update(tracker, gap, {two}, {cv::Point2f(0.0F, 0.0F)});
     const double share = cv::countNonZero(tracker.cover(view)) / (160.0 * 120.0);
-    EXPECT_NEAR(share, gap < 0.1 ? 40.0 * 80.0 / (160.0 * 120.0) : 460.0 / 480.0, 0.02) << gap;
+    if (gap < 0.1) {
+      EXPECT_NEAR(share, 40.0 * 80.0 / (160.0 * 120.0), 0.02);
+    } else {
+      EXPECT_GT(share, 460.0 / 480.0);
+    }
   }
 }
 

@@ -30,6 +30,13 @@ void RemovalOptions::describe(OptionList& list) {
   list.add("epsilon", epsilon, above(0), "pixels", "of Algorithm 2: static when D * W is below it");
   list.add("mask_margin", mask_margin, between(0, 100), "pixels",
            "from a mask; features nearer go with it");
+  list.add("residual", residual, above(0), "pixels",
+           "of a static point at most, in a box and outside its mask");
+  list.add("residual_long", residual_long, above(0), "pixels", "the same, over the long baseline");
+  list.add("noise_factor", noise_factor, at_least(0), "",
+           "sigmas of the static points' residuals that a static point may be off");
+  list.add("least_static", least_static, at_least(0), "features",
+           "that are left at least: of those that are seen to move the least comes back first");
 }
 
 void RemovalOptions::check() const { check_options(*this); }

@@ -1,9 +1,6 @@
 #include "dkp_slam/dynamics/removal/region_rules.h"
 
 namespace dkp_slam {
-namespace {
-
-/// CV_8UC1, image size: labels of the objects that move by themselves.
 cv::Mat masks_of_self_moving(const RemovalInput& input) {
   cv::Mat moving = input.labels.clone();
   for (std::size_t o = 0; o < input.objects.size(); ++o) {
@@ -11,8 +8,6 @@ cv::Mat masks_of_self_moving(const RemovalInput& input) {
   }
   return moving;
 }
-
-}  // namespace
 
 cv::Mat FeatureClassifier::doubtful(const RemovalInput& input) const {
   if (input.objects.empty()) return {};
@@ -43,7 +38,7 @@ void BoxRule::classify(const RemovalInput& input, std::vector<FeatureDynamics>& 
 }
 
 void MaskRule::classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const {
-  const cv::Mat moving = masks_and_outlines(masks_of_self_moving(input), margin_);
+  const cv::Mat moving = masks_of_self_moving(input);
   for (std::size_t i = 0; i < features.size(); ++i) {
     features[i].is_static = label_at(moving, input.points[i]) == 0;
   }

@@ -12,6 +12,9 @@ namespace dkp_slam {
 /// in no mask.
 std::vector<std::uint8_t> on_self_moving(const RemovalInput& input);
 
+/// CV_8UC1, image size: labels of the objects that move by themselves.
+cv::Mat masks_of_self_moving(const RemovalInput& input);
+
 /// Removes what lies in the box of an object that moves by itself.
 class BoxRule : public FeatureClassifier {
  public:
@@ -19,17 +22,12 @@ class BoxRule : public FeatureClassifier {
   void classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const override;
 };
 
-/// Removes what lies in the mask of an object that moves by itself, or within `margin` pixels of
-/// it.
+/// Removes what lies in the mask of an object that moves by itself.
 class MaskRule : public FeatureClassifier {
  public:
-  explicit MaskRule(int margin = 0) : margin_(margin) {}
-  std::string name() const override { return margin_ > 0 ? "mask and outline rule" : "mask rule"; }
+  std::string name() const override { return "mask rule"; }
   void classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const override;
   cv::Mat doubtful(const RemovalInput& input) const override;
-
- private:
-  int margin_;
 };
 
 /// Removes what lies in a mask that was given with the image, or within `margin` pixels of one.

@@ -7,9 +7,18 @@ class OptionList;
 struct RemovalOptions {
   /// eps of Algorithm 2, pixels: static when D * W is below it (region rule).
   float epsilon = 1.0F;
-  /// Features this near to a mask go with it, pixels (dkp+ and given masks): corners on an outline
-  /// move with the person, and depth is that ragged there.
+  /// Features this near to a mask go with it, pixels (residual and given mask rules): corners on an
+  /// outline move with the person, and depth is that ragged there.
   int mask_margin = 2;
+  /// Motion residual, pixels, from which on a feature in a box is seen to move, from one frame
+  /// to the next and over the longer baseline: well above flow's noise and the depth's, for a
+  /// static one that goes is missed more than a slow one that stays...
+  float residual = 4.0F;
+  float residual_long = 6.0F;
+  /// ... and at least so many sigma of the static points' residuals in the frame.
+  float noise_factor = 4.0F;
+  /// With fewer static features in the image those that move least come back.
+  int least_static = 200;
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound

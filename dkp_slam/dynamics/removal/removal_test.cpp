@@ -4,6 +4,7 @@
 #include "dkp_slam/dynamics/removal/region_rules.h"
 #include "dkp_slam/dynamics/removal/regions.h"
 #include "dkp_slam/dynamics/removal/removal_options.h"
+#include "dkp_slam/dynamics/removal/residual_rule.h"
 
 namespace dkp_slam {
 namespace {
@@ -90,8 +91,41 @@ TEST_F(Rules, MasksOfWhatMovesByItselfGo) {
   EXPECT_EQ(kept_by(MaskRule()), (std::vector<bool>{false, true, true, true, true, true, true}));
 }
 
-TEST_F(Rules, MasksOfWhatMovesByItselfGoWithTheirOutlines) {
-  EXPECT_EQ(kept_by(MaskRule(2)), (std::vector<bool>{false, false, true, true, true, true, true}));
+/// Options under which nothing comes back for the pose's sake.
+RemovalOptions strict() {
+  RemovalOptions options;
+  options.least_static = 0;
+  return options;
+}
+
+TEST_F(Rules, MasksOfPeopleGoWithTheirOutlinesAndElseWhatIsSeenToMove) {
+  const ResidualRule rule(strict());
+  EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, true, true, true, true, true}));
+  motion_.long_residual[2] = motion_.long_residual[3] = 6.1F;
+  motion_.long_residual[6] = 100.0F;  // outside the boxes
+  EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, false, false, true, true, true}));
+}
+
+TEST_F(Rules, WhatIsSeenToMoveIsMoreThanTheNoise) {
+  motion_.long_residual.assign(points_.size(), 7.0F);
+  motion_.camera_motion.emplace();
+  motion_.camera_motion->noise = 1.7;  // four of these are 6.8 px
+  EXPECT_EQ(kept_by(ResidualRule(strict())),
+            (std::vector<bool>{false, false, false, false, false, false, true}));
+  motion_.camera_motion->noise = 1.8;  // and of these 7.2
+  EXPECT_EQ(kept_by(ResidualRule(strict())),
+            (std::vector<bool>{false, false, true, true, true, true, true}));
+}
+
+TEST_F(Rules, WhatThePoseNeedsComesBackThatWhichMovesLeastFirst) {
+  motion_.long_residual = {7.0F, 7.0F, 9.0F, 7.0F, 8.0F, 10.0F, 0.0F};
+  RemovalOptions options;
+  options.least_static = 3;
+  EXPECT_EQ(kept_by(ResidualRule(options)),
+            (std::vector<bool>{false, false, false, true, true, false, true}));
+  options.least_static = 100;  // masks and outlines stay away
+  EXPECT_EQ(kept_by(ResidualRule(options)),
+            (std::vector<bool>{false, false, true, true, true, true, true}));
 }
 
 TEST_F(Rules, KnowWhereNothingIsStaticUnseen) {
@@ -105,6 +139,7 @@ TEST_F(Rules, KnowWhereNothingIsStaticUnseen) {
   EXPECT_EQ(doubtful(EpipolarRule({}, {}, 1.0F)), doubtful(BoxRule()));
   EXPECT_EQ(doubtful(MaskRule()),
             (std::vector<bool>{true, false, false, false, false, false, false}));
+  EXPECT_EQ(doubtful(ResidualRule({})), doubtful(MaskRule()));
   EXPECT_EQ(doubtful(GivenMaskRule(2)),
             (std::vector<bool>{true, false, false, true, false, false, false}));
   const std::vector<ObjectRegions> nobody;
