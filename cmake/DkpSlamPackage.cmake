@@ -96,6 +96,6 @@ file(WRITE ${CMAKE_BINARY_DIR}/generated/shlibs
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/generated/shlibs)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "curl, ca-certificates")
-# For programs that are built against the library.
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, libeigen3-dev, libopencv-dev")
+# For programs that are built against the library, and for the Python module.
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, libeigen3-dev, libopencv-dev, python3-numpy")
 include(CPack)

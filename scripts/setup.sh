@@ -5,9 +5,11 @@ set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: scripts/setup.sh [--checks] [--no-apt] [--no-onnxruntime]
+usage: scripts/setup.sh [--checks] [--with NAME,...] [--no-apt] [--no-onnxruntime]
 
   --checks           also what scripts/check.sh needs: clang-format, clang-tidy, shellcheck
+  --with NAME,...    also what only some users need:
+                       python: for the Python module, its tests and its wheel
   --no-apt           leave system packages alone (they are there, or another tool manages them)
   --no-onnxruntime   do not fetch ONNX Runtime; YOLOX then runs on OpenCV's dnn, about 4 times slower
 TEXT
@@ -17,14 +19,21 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 with_checks=0
 use_apt=1
 use_onnxruntime=1
-for argument in "$@"; do
-  case "$argument" in
+extras=()
+while [ $# -gt 0 ]; do
+  case "$1" in
     --checks) with_checks=1 ;;
+    --with)
+      if [ $# -lt 2 ]; then echo "setup.sh: --with needs a name" >&2; usage >&2; exit 2; fi
+      IFS=, read -ra names <<<"$2"
+      extras+=("${names[@]}")
+      shift ;;
     --no-apt) use_apt=0 ;;
     --no-onnxruntime) use_onnxruntime=0 ;;
     -h|--help) usage; exit 0 ;;
-    *) echo "setup.sh: unknown option '$argument'" >&2; usage >&2; exit 2 ;;
+    *) echo "setup.sh: unknown option '$1'" >&2; usage >&2; exit 2 ;;
   esac
+  shift
 done
 
 did=()
@@ -36,6 +45,14 @@ packages=(
   libopencv-dev libspdlog-dev libsqlite3-dev libyaml-cpp-dev nlohmann-json3-dev pkg-config
 )
 if [ "$with_checks" -eq 1 ]; then packages+=(clang-format clang-tidy shellcheck); fi
+for extra in "${extras[@]}"; do
+  case "$extra" in
+    python)
+      packages+=(pybind11-dev python3-dev python3-matplotlib python3-numpy python3-pip python3-pytest
+                 python3-wheel) ;;
+    *) echo "setup.sh: --with '$extra' is none of: python" >&2; exit 2 ;;
+  esac
+done
 
 installed() {
   [ "$(dpkg-query -W -f='${db:Status-Abbrev}' "$1" 2>/dev/null | cut -c1-2)" = "ii" ]
