@@ -9,7 +9,6 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
-#include "apps/camera_choice.h"
 #include "apps/commands.h"
 #include "apps/config_options.h"
 #include "apps/file_observer.h"
@@ -20,6 +19,7 @@
 #include "apps/run_options.h"
 #include "apps/run_overlay.h"
 #include "apps/run_report.h"
+#include "apps/source_choice.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/dynamics/modes.h"
@@ -27,8 +27,6 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
-#include "dkp_slam/sensor/camera_config.h"
-#include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/system/playback.h"
 #include "dkp_slam/system/slam.h"
 
@@ -65,6 +63,12 @@ std::unique_ptr<Detector> choose_detector(const RunOptions& options, SlamConfig&
   return make_detector(detector, config.camera);
 }
 
+/// How fast a source is played by its time stamps; 0: as fast as it comes.
+double rate_of(const RunOptions& options, const SlamConfig& config) {
+  const bool paced = config.realtime && !is_socket(options.sequence);
+  return paced ? options.rate.value_or(1.0) : 0.0;
+}
+
 nlohmann::ordered_json describe(const RunOptions& options, const SlamConfig& config) {
   const bool yolox = config.detector.kind == DetectorKind::yolox;
   nlohmann::ordered_json json;
@@ -78,8 +82,8 @@ nlohmann::ordered_json describe(const RunOptions& options, const SlamConfig& con
   json["provider"] = yolox ? config.detector.yolox.provider : "";
   json["seed"] = config.seed;
   json["realtime"] = config.realtime;
-  if (config.realtime) {
-    json["rate"] = options.rate.value_or(1.0);
+  if (const double rate = rate_of(options, config); rate > 0.0) {
+    json["rate"] = rate;
   } else {
     json["rate"] = nullptr;
   }
@@ -178,28 +182,57 @@ void check_together(const RunOptions& options, const SlamConfig& config) {
   }
   const DynamicsMode mode = config.dynamics.mode;
   if (options.masks.empty()) {
-    if (mode == DynamicsMode::masks) throw CLI::ValidationError("mode masks", "needs --masks DIR");
+    if (mode == DynamicsMode::masks && !is_stream(options.sequence)) {
+      throw CLI::ValidationError("mode masks", "needs --masks DIR");
+    }
   } else if (mode != DynamicsMode::masks && mode != DynamicsOptions().mode) {
     throw CLI::ValidationError(
         "--masks", fmt::format("is a mode of its own, masks, not {}", mode_info(mode).name));
   }
 }
 
+/// Throws CLI::ValidationError for options that the source does not go with.
+void check_source(const RunOptions& options, const SlamConfig& config) {
+  if (options.sequence.empty()) {
+    throw CLI::ValidationError("SEQUENCE", "is required, or --source");
+  }
+  const bool socket = is_socket(options.sequence);
+  if (options.offline && config.realtime) {
+    throw CLI::ValidationError("--offline", "not with realtime");
+  }
+  if (options.rate && socket) {
+    throw CLI::ValidationError("--rate", "not with a socket, whose driver says how fast it goes");
+  }
+  if (!options.masks.empty() && is_stream(options.sequence)) {
+    throw CLI::ValidationError("--masks",
+                               "not with a stream, which brings its masks: --mode masks");
+  }
+}
+
+SourceChoice choice_of(const RunOptions& options, const SlamConfig& config) {
+  SourceChoice choice;
+  choice.name = options.sequence;
+  choice.camera = options.camera;
+  choice.masks = options.masks;
+  choice.stream_masks = config.dynamics.mode == DynamicsMode::masks;
+  choice.reconnect = options.reconnect;
+  return choice;
+}
+
 void run(RunOptions options) {
   catch_interrupts();
   SlamConfig config = make_config(options.config);
+  check_source(options, config);
+  // A camera waits for nobody.
+  if (is_socket(options.sequence) && !options.offline) config.realtime = true;
   check_together(options, config);
   if (!options.masks.empty()) config.dynamics.mode = DynamicsMode::masks;
   config.localize_only = !options.localize.empty();
-  const bool camera_given = !options.camera.empty();
-  options.camera = choose_camera(options.sequence, options.camera);
-  if (!camera_given) spdlog::info("camera: {}", options.camera);
-  config.camera = load_camera(options.camera);
   // Everything that can be wrong is found before the first frame; the folder comes last, so that
   // other mistakes leave none behind.
-  TumOptions images;
-  images.masks = options.masks;
-  auto source = open_tum_folder(options.sequence, config.camera, images);
+  const OpenedSource opened = open_source(choice_of(options, config));
+  options.camera = opened.camera_name;
+  config.camera = opened.camera;
   auto detector = choose_detector(options, config);
   RunObservers observers;
   observers.map = std::make_shared<RunMap>(options.map, options.localize, config);
@@ -222,10 +255,10 @@ void run(RunOptions options) {
   Slam slam(config, std::move(detector), std::move(stored));
   observers.join(slam, with_map);
   PlaybackOptions playback;
-  playback.rate = config.realtime ? options.rate.value_or(1.0) : 0.0;
+  playback.rate = rate_of(options, config);
   playback.one_at_a_time = options.one_at_a_time;
   playback.stop = &interrupt_flag();
-  result.totals = play_run(*source, slam, observers, log, playback);
+  result.totals = play_run(*opened.source, slam, observers, log, playback);
   std::vector<Trajectory> paths = slam.trajectories();
   if (!paths.empty()) {
     result.trajectory = std::move(paths.front());
@@ -250,6 +283,28 @@ void run(RunOptions options) {
   if (const std::string problem = verdict(result.totals); !problem.empty()) {
     throw Error(fmt::format("{} ({} holds what there is)", problem, options.out.string()));
   }
+}
+
+void add_source_options(CLI::App& command, RunOptions& options) {
+  auto* sequence =
+      command.add_option("SEQUENCE", options.sequence,
+                         "Folder in TUM RGB-D format, or - for a frame stream on the standard "
+                         "input (docs/frame-stream.md)");
+  command
+      .add_option("--source", options.sequence,
+                  "Instead of SEQUENCE: a socket to listen at for a driver's frame stream, "
+                  "unix:PATH, tcp:PORT (of this machine alone) or tcp:HOST:PORT; in real time")
+      ->excludes(sequence);
+  command.add_flag("--offline", options.offline,
+                   "With a socket: drop no frame, let the driver wait");
+  command
+      .add_option("--reconnect", options.reconnect,
+                  "Seconds that a socket waits for a driver that was cut off to come back")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command.add_option("--camera", options.camera,
+                     "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else the stream's "
+                     "own, or SEQUENCE/camera.yaml, else by the folder's name");
 }
 
 void add_detector_options(CLI::App& command, RunOptions& options) {
@@ -288,10 +343,7 @@ void add_run_command(CLI::App& program) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = program.add_subcommand(
       "run", "Localise the camera in an RGB-D sequence with people in it; write its path.");
-  command->add_option("SEQUENCE", options->sequence, "Folder in TUM RGB-D format")->required();
-  command->add_option("--camera", options->camera,
-                      "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else "
-                      "SEQUENCE/camera.yaml, else by the folder's name");
+  add_source_options(*command, *options);
   add_shortcut(*command, options->config, "--mode", "mode",
                "What is removed: off (nothing), masks (what --masks say), paper (the paper to the "
                "letter), d (boxes), dk "

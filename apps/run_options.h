@@ -10,7 +10,8 @@ namespace dkp_slam::apps {
 
 /// What the user asked of `dkp-slam run`.
 struct RunOptions {
-  std::string sequence, camera;
+  std::string sequence;  ///< a folder, or the address of a stream
+  std::string camera;
   std::filesystem::path out, classes;
   std::filesystem::path map;         ///< file to go on from and to keep up to date; empty for none
   std::filesystem::path localize;    ///< map file to find the camera in; empty for none
@@ -18,6 +19,8 @@ struct RunOptions {
   std::filesystem::path masks;       ///< folder of masks instead of a detector; empty for none
   ConfigOptions config;
   std::optional<double> rate;  ///< in real time: so many times as fast as it was recorded
+  bool offline = false;        ///< drop no frame of a socket
+  double reconnect = 30.0;     ///< seconds that a socket waits for a driver to come back
   bool one_at_a_time = false;
   bool overlay = false;
   int overlay_every = 30;  ///< frames; one picture a second

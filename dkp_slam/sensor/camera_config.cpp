@@ -112,11 +112,10 @@ YAML::Node parse_file(const std::string& path) {
   }
 }
 
-}  // namespace
-
-Camera load_camera(const std::string& path) {
+/// `path`: for messages.
+Camera camera_of(const std::string& path, const YAML::Node& node) {
   const Fields fields(
-      path, parse_file(path),
+      path, node,
       {"name", "width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale", "min_depth",
        "max_depth", "baseline", "frame_rate", "readout", "depth_noise"});
   for (const std::string& key : required_keys) {
@@ -150,7 +149,21 @@ Camera load_camera(const std::string& path) {
   return camera;
 }
 
-void save_camera(const Camera& camera, const std::string& path) {
+}  // namespace
+
+Camera load_camera(const std::string& path) { return camera_of(path, parse_file(path)); }
+
+Camera parse_camera(const std::string& text, const std::string& name) {
+  YAML::Node node;
+  try {
+    node = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw Error(fmt::format("{}:{}: not valid YAML: {}", name, error.mark.line + 1, error.msg));
+  }
+  return camera_of(name, node);
+}
+
+std::string camera_text(const Camera& camera) {
   const Distortion& d = camera.distortion;
   std::string text;
   const auto line = [&text](const std::string& item, const char* comment) {
@@ -178,8 +191,12 @@ void save_camera(const Camera& camera, const std::string& path) {
   text += "depth_noise:\n";
   line(fmt::format("  constant: {}", camera.depth_noise.constant), "metres");
   line(fmt::format("  quadratic: {}", camera.depth_noise.quadratic), "1/metre");
+  return text;
+}
+
+void save_camera(const Camera& camera, const std::string& path) {
   std::ofstream file(path);
-  file << text;
+  file << camera_text(camera);
   file.close();
   if (!file) throw Error(path + ": cannot write the camera file");
 }

@@ -12,7 +12,13 @@ namespace dkp_slam {
 /// one, a value of the wrong type, NaN, or parameters that make no camera.
 Camera load_camera(const std::string& path);
 
+/// The same of such a file's text; `name` stands for the file in messages.
+Camera parse_camera(const std::string& text, const std::string& name);
+
 /// Writes `camera` as a file that `load_camera` reads back exactly. Throws `Error`.
 void save_camera(const Camera& camera, const std::string& path);
+
+/// The text of such a file.
+std::string camera_text(const Camera& camera);
 
 }  // namespace dkp_slam
