@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   dkp_slam::apps::add_bench_command(program);
   dkp_slam::apps::add_demo_command(program);
   dkp_slam::apps::add_map_command(program);
+  dkp_slam::apps::add_record_command(program);
   dkp_slam::apps::add_stream_command(program);
   dkp_slam::apps::add_config_command(program);
   try {

@@ -3,19 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <fstream>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "apps/image_file.h"
 #include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
-#include "dkp_slam/sensor/png_encoder.h"
 #include "dkp_slam/synth/true_detections.h"
 
 namespace dkp_slam::apps {
@@ -27,15 +24,6 @@ constexpr std::array image_folders = {"rgb", "depth", "mask", "instances"};
 
 fs::path image_file(const fs::path& out, const char* folder, const std::string& stamp) {
   return out / folder / (stamp + ".png");
-}
-
-void write_image(const fs::path& path, const cv::Mat& image) {
-  const std::vector<std::uint8_t> bytes = encode_png(image);
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) throw Error(path.string() + ": cannot write; is the disk full?");
 }
 
 /// Frames' stamps and every hundredth of a second between, each moment once.
@@ -85,38 +73,22 @@ SequenceWriter::SequenceWriter(fs::path out, const Camera& camera)
 
 void SequenceWriter::add(const RgbdFrame& frame, const SyntheticTruth& truth) {
   // One frame in work per core: enough to keep them busy, and little memory.
-  wait_for(std::max(std::thread::hardware_concurrency(), 1U) - 1);
-  Frame added;
-  added.timestamp = frame.timestamp;
-  added.stamp = fmt::format("{:.6f}", frame.timestamp);
-  added.detections = recorded_lines(frame.timestamp, true_detections(truth));
-  added.images = std::async(std::launch::async, [this, stamp = added.stamp, frame, truth] {
+  writing_.collect(OrderedWork::cores() - 1);
+  const std::string stamp = fmt::format("{:.6f}", frame.timestamp);
+  const auto write = [this, stamp, frame, truth] {
     cv::Mat units;
     frame.depth.convertTo(units, CV_16U, depth_scale_);
     const std::array images = {frame.colour, units, truth.mask, truth.instance};
     for (std::size_t i = 0; i < images.size(); ++i) {
       write_image(image_file(out_, image_folders[i], stamp), images[i]);
     }
-  });
-  writing_.push_back(std::move(added));
+  };
+  const Listed listed{frame.timestamp, stamp,
+                      recorded_lines(frame.timestamp, true_detections(truth))};
+  writing_.add({write, [this, listed] { list(listed); }, [this, stamp] { drop(stamp); }});
 }
 
-void SequenceWriter::wait_for(std::size_t frames_left) {
-  while (writing_.size() > frames_left) {
-    Frame oldest = std::move(writing_.front());
-    writing_.pop_front();
-    try {
-      oldest.images.get();
-    } catch (const Error&) {
-      drop(oldest);
-      for (; !writing_.empty(); writing_.pop_front()) drop(writing_.front());
-      throw;
-    }
-    list(oldest);
-  }
-}
-
-void SequenceWriter::list(const Frame& frame) {
+void SequenceWriter::list(const Listed& frame) {
   const std::string& stamp = frame.stamp;
   rgb_ += fmt::format("{0} rgb/{0}.png\n", stamp);
   depth_ += fmt::format("{0} depth/{0}.png\n", stamp);
@@ -125,15 +97,13 @@ void SequenceWriter::list(const Frame& frame) {
   stamps_.push_back(frame.timestamp);
 }
 
-void SequenceWriter::drop(const Frame& frame) const {
-  if (frame.images.valid()) frame.images.wait();
+void SequenceWriter::drop(const std::string& stamp) const {
   std::error_code ignored;
-  for (const char* folder : image_folders)
-    fs::remove(image_file(out_, folder, frame.stamp), ignored);
+  for (const char* folder : image_folders) fs::remove(image_file(out_, folder, stamp), ignored);
 }
 
 void SequenceWriter::finish(const SyntheticSource& source) {
-  wait_for(0);
+  writing_.collect(0);
   Trajectory truth;
   for (const double stamp : truth_stamps(stamps_)) {
     truth.push_back({stamp, source.world_from_camera(stamp)});

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <cstddef>
-#include <deque>
 #include <filesystem>
-#include <future>
 #include <string>
 #include <vector>
 
+#include "apps/ordered_work.h"
 #include "dkp_slam/geometry/stamped_pose.h"
 #include "dkp_slam/synth/source.h"
 
@@ -31,23 +29,21 @@ class SequenceWriter {
   void finish(const SyntheticSource& source);
 
  private:
-  /// A frame whose images are being written.
-  struct Frame {
+  /// A frame whose images are written.
+  struct Listed {
     double timestamp = 0.0;
     std::string stamp;
     std::string detections;  ///< its lines
-    std::future<void> images;
   };
 
-  void wait_for(std::size_t frames_left);
-  void list(const Frame& frame);
-  void drop(const Frame& frame) const;
+  void list(const Listed& frame);
+  void drop(const std::string& stamp) const;
 
   std::filesystem::path out_;
   double depth_scale_;
   std::string rgb_, depth_, associations_, detections_;
   std::vector<double> stamps_;
-  std::deque<Frame> writing_;
+  OrderedWork writing_;  // last: what it does needs the others
 };
 
 }  // namespace dkp_slam::apps

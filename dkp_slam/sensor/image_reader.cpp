@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <memory>
 
 #include <opencv2/imgcodecs.hpp>
@@ -153,6 +154,16 @@ cv::Mat depth_in_metres(const cv::Mat& raw, double units_per_metre, double min_d
     }
   }
   return metres;
+}
+
+cv::Mat depth_in_units(const cv::Mat& metres, double units_per_metre) {
+  CV_Assert(metres.type() == CV_32FC1);
+  cv::Mat units;
+  metres.convertTo(units, CV_16U, units_per_metre);
+  constexpr auto most = std::numeric_limits<std::uint16_t>::max();
+  // What was cut to the largest number is not that far away.
+  units.setTo(0, metres > (most + 0.5) / units_per_metre);
+  return units;
 }
 
 }  // namespace dkp_slam

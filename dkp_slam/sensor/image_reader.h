@@ -47,4 +47,7 @@ class ImageReader {
 cv::Mat depth_in_metres(const cv::Mat& raw, double units_per_metre, double min_depth,
                         double max_depth);
 
+/// The way back: CV_32FC1 metres to CV_16UC1 units, rounded; 0 where 16 bits do not reach.
+cv::Mat depth_in_units(const cv::Mat& metres, double units_per_metre);
+
 }  // namespace dkp_slam

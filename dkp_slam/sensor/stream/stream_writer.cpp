@@ -1,8 +1,6 @@
 #include "dkp_slam/sensor/stream/stream_writer.h"
 
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <string>
 
@@ -10,6 +8,7 @@
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/sensor/image_reader.h"
 #include "dkp_slam/sensor/stream/stream_format.h"
 
 namespace dkp_slam {
@@ -22,16 +21,6 @@ stream::Header header_of(const Camera& camera, std::size_t camera_bytes) {
   header.camera_bytes = static_cast<std::uint32_t>(camera_bytes);
   header.depth_scale = camera.depth_scale;
   return header;
-}
-
-/// CV_32FC1 metres to CV_16UC1 units.
-cv::Mat units_of(const cv::Mat& metres, double scale) {
-  cv::Mat units;
-  metres.convertTo(units, CV_16U, scale);
-  constexpr auto most = std::numeric_limits<std::uint16_t>::max();
-  // What was cut to the largest number is not that far away.
-  units.setTo(0, metres > (most + 0.5) / scale);
-  return units;
 }
 
 std::span<const char> bytes_of(const cv::Mat& image) {
@@ -65,7 +54,7 @@ bool StreamWriter::write(const RgbdFrame& frame) {
   return output_.write(stream::encode(head) +
                        stream::encode_stamps(frame.timestamp, frame.depth_delay)) &&
          output_.write(bytes_of(whole(frame.colour))) &&
-         output_.write(bytes_of(units_of(frame.depth, camera_.depth_scale))) &&
+         output_.write(bytes_of(depth_in_units(frame.depth, camera_.depth_scale))) &&
          (!mask || output_.write(bytes_of(whole(frame.mask))));
 }
 
