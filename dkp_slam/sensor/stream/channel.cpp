@@ -50,7 +50,10 @@ void look_at(std::array<pollfd, count>& descriptors) {
 
 /// What is there now, `to.size()` at most; 0 where the peer is gone.
 std::size_t read_some(int descriptor, std::span<char> to) {
-  const ssize_t got = ::read(descriptor, to.data(), to.size());
+  ssize_t got = -1;
+  do {
+    got = ::read(descriptor, to.data(), to.size());
+  } while (got < 0 && errno == EINTR);
   return got > 0 ? static_cast<std::size_t>(got) : 0;
 }
 
