@@ -43,9 +43,9 @@ class RecordCommand : public testing::FolderTest {
   std::string err() const { return content(folder_ / "err"); }
   int bash(const std::string& line) const {
     const fs::path script = folder_ / "line.sh";
-    std::ofstream(script) << fmt::format("set -o pipefail\ncd '{}'\nexport HOME='{}' P='{}'\n{}\n",
-                                         folder_.string(), folder_.string(), DKP_SLAM_PROGRAM,
-                                         line);
+    std::ofstream(script) << fmt::format(
+        "set -o pipefail\nexec >/dev/null\ncd '{}'\nexport HOME='{}' P='{}'\n{}\n",
+        folder_.string(), folder_.string(), DKP_SLAM_PROGRAM, line);
     const int status = std::system(fmt::format("bash '{}'", script.string()).c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
   }

@@ -49,9 +49,9 @@ class StreamCommand : public testing::FolderTest {
   /// Exit code of a command line of bash, where $P is the program.
   int bash(const std::string& line) const {
     const fs::path script = folder_ / "line.sh";
-    std::ofstream(script) << fmt::format("set -o pipefail\ncd '{}'\nexport HOME='{}' P='{}'\n{}\n",
-                                         folder_.string(), folder_.string(), DKP_SLAM_PROGRAM,
-                                         line);
+    std::ofstream(script) << fmt::format(
+        "set -o pipefail\nexec >/dev/null\ncd '{}'\nexport HOME='{}' P='{}'\n{}\n",
+        folder_.string(), folder_.string(), DKP_SLAM_PROGRAM, line);
     const int status = std::system(fmt::format("bash '{}'", script.string()).c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
   }
@@ -113,7 +113,7 @@ TEST_F(StreamCommand, APipeLeadsToTheSamePathAsTheFolderToTheByte) {
   // Depth images of another moment than colour: that goes along, too.
   std::string depths = content(folder_ / "sequence/depth.txt");
   for (std::size_t at = 0; (at = depths.find("\n10.", at)) != std::string::npos; at += 4) {
-    depths[at + 10] = depths[at + 10] == '9' ? '8' : '9';
+    depths[at + 9] = depths[at + 9] == '9' ? '8' : '9';
   }
   std::ofstream(folder_ / "sequence/depth.txt") << depths;
   const std::string expected = path_of_folder();
