@@ -187,7 +187,9 @@ class ByteSource : public StreamSource {
   void take_mask(const cv::Mat& mask, RgbdFrame& frame) {
     if (options_.masks) {
       frame.mask = mask;
-      if (mask.empty() && without_mask_++ == 0) {
+      // That none has one shows in the count, and need not be wrong.
+      had_mask_ = had_mask_ || !mask.empty();
+      if (mask.empty() && without_mask_++ == 0 && had_mask_) {
         spdlog::warn("{}: frame {} has no mask", input_->name(), index_ + 1);
       }
     } else if (!mask.empty() && !said_masks_) {
@@ -224,7 +226,7 @@ class ByteSource : public StreamSource {
   Camera camera_;
   std::optional<Camera> own_camera_;
   std::string camera_text_;
-  bool begun_ = false, connected_ = false, ended_ = false, said_masks_ = false;
+  bool begun_ = false, connected_ = false, ended_ = false, said_masks_ = false, had_mask_ = false;
   int index_ = -1;  ///< of the last frame that came
   std::size_t skipped_ = 0, without_mask_ = 0;
   std::optional<double> last_stamp_;
