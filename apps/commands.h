@@ -15,6 +15,7 @@ void add_demo_command(CLI::App& program);
 void add_map_command(CLI::App& program);
 void add_record_command(CLI::App& program);
 void add_stream_command(CLI::App& program);
+void add_calibrate_command(CLI::App& program);
 void add_config_command(CLI::App& program);
 
 }  // namespace dkp_slam::apps

@@ -42,6 +42,7 @@ int main(int argc, char** argv) {
   dkp_slam::apps::add_map_command(program);
   dkp_slam::apps::add_record_command(program);
   dkp_slam::apps::add_stream_command(program);
+  dkp_slam::apps::add_calibrate_command(program);
   dkp_slam::apps::add_config_command(program);
   try {
     program.parse(argc, argv);

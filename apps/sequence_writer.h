@@ -6,6 +6,7 @@
 
 #include "apps/ordered_work.h"
 #include "dkp_slam/geometry/stamped_pose.h"
+#include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/synth/source.h"
 
 namespace dkp_slam::apps {
@@ -16,7 +17,9 @@ namespace dkp_slam::apps {
 class SequenceWriter {
  public:
   /// Into `out`, which must be there; writes camera.yaml and makes the image folders.
-  SequenceWriter(std::filesystem::path out, const Camera& camera);
+  /// `depth`: what is wrong with the frames' depth, for camera.yaml.
+  SequenceWriter(std::filesystem::path out, const Camera& camera,
+                 const DepthCorrection& depth = {});
 
   /// Everything this writes, folders and files, as names in `out`.
   static const std::vector<std::string>& names();

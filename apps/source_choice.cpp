@@ -53,6 +53,7 @@ OpenedSource open_source(const SourceChoice& choice) {
   opened.camera = load_camera(opened.camera_name);
   TumOptions images;
   images.masks = choice.masks;
+  images.depth = load_depth_correction(opened.camera_name);
   opened.source = open_tum_folder(choice.name, opened.camera, images);
   return opened;
 }

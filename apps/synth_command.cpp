@@ -18,6 +18,7 @@
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/geometry/sensor_scale.h"
 #include "dkp_slam/json_text.h"
+#include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/synth/source.h"
 #include "dkp_slam/version.h"
 
@@ -40,6 +41,9 @@ struct SynthArguments {
   std::string trajectory;
   std::string noise = "kinect";
   bool rolling_shutter = false;
+  std::optional<double> readout;
+  double depth_scale = 5000.0;
+  DepthCorrection depth;
   bool force = false;
 };
 
@@ -85,6 +89,10 @@ SyntheticOptions options_of(const SynthArguments& arguments) {
   if (arguments.frames) options.frames = *arguments.frames;
   // The Kinect's and the Xtion's, as in config/tum_fr3.yaml.
   if (arguments.rolling_shutter) options.camera.readout = 0.020;
+  if (arguments.readout) options.camera.readout = *arguments.readout;
+  options.camera.depth_scale = arguments.depth_scale;
+  options.depth_delay = arguments.depth.delay;
+  options.depth_bias = arguments.depth.bias;
   return options;
 }
 
@@ -99,7 +107,11 @@ void write_description(const SynthArguments& arguments, std::size_t frames) {
       {"rate", arguments.rate},
       {"trajectory", arguments.trajectory},
       {"noise", arguments.noise},
-      {"rolling_shutter", arguments.rolling_shutter}};
+      {"rolling_shutter", arguments.rolling_shutter},
+      {"readout", arguments.readout.value_or(arguments.rolling_shutter ? 0.020 : 0.0)},
+      {"depth_scale", arguments.depth_scale},
+      {"depth_delay", arguments.depth.delay},
+      {"depth_bias", arguments.depth.bias}};
   write_file_atomically(fs::path(arguments.out) / marker, json_text(description) + "\n");
 }
 
@@ -134,7 +146,7 @@ void synthesize(const SynthArguments& arguments) {
   const std::size_t frames = *source.size();
   prepare_folder(arguments.out);
   write_description(arguments, frames);
-  SequenceWriter writer(arguments.out, options.camera);
+  SequenceWriter writer(arguments.out, options.camera, arguments.depth);
   const std::size_t done = write_frames(source, frames, writer, arguments);
   if (done < frames) {
     throw Error(fmt::format("interrupted after {} of {} frames; {} holds these", done, frames,
@@ -155,6 +167,23 @@ std::string descriptions() {
     text += fmt::format("  {:<20} {}\n", s.name, s.description);
   }
   return text;
+}
+
+/// What may be wrong with depth; camera.yaml says it.
+void add_depth_options(CLI::App& command, SynthArguments& arguments) {
+  command.add_option("--depth-scale", arguments.depth_scale, "Depth images' units per metre")
+      ->check(CLI::Range(1000.0, 20000.0))
+      ->capture_default_str();
+  command
+      .add_option("--depth-delay", arguments.depth.delay,
+                  "Seconds by which depth is taken after its colour image; the stamps are equal")
+      ->check(CLI::Range(-0.1, 0.1))
+      ->capture_default_str();
+  command
+      .add_option("--depth-bias", arguments.depth.bias,
+                  "Metres that depth images lack: to be added to each depth")
+      ->check(CLI::Range(-0.2, 0.2))
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -198,8 +227,13 @@ void add_synth_command(CLI::App& program) {
   command->add_option("--noise", arguments->noise, "Sensor noise: kinect or none")
       ->check(CLI::IsMember({"kinect", "none"}))
       ->capture_default_str();
-  command->add_flag("--rolling-shutter", arguments->rolling_shutter,
-                    "Read the image row by row in 20 ms, as the Kinect's colour camera does");
+  auto* rolling =
+      command->add_flag("--rolling-shutter", arguments->rolling_shutter,
+                        "Read the image row by row in 20 ms, as the Kinect's colour camera does");
+  command->add_option("--readout", arguments->readout, "The same in so many seconds")
+      ->check(CLI::Range(0.0, 1.0))
+      ->excludes(rolling);
+  add_depth_options(*command, *arguments);
   command->add_flag("--force", arguments->force,
                     "Write into a folder not made by this command; files of the names that this "
                     "command writes are replaced");

@@ -112,12 +112,32 @@ YAML::Node parse_file(const std::string& path) {
   }
 }
 
+Fields read_fields(const std::string& path, const YAML::Node& node) {
+  return {path,
+          node,
+          {"name", "width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale",
+           "depth_delay", "depth_bias", "min_depth", "max_depth", "baseline", "frame_rate",
+           "readout", "depth_noise"}};
+}
+
+/// Throws where a value is so large that it must have another unit.
+DepthCorrection read_depth_correction(const Fields& fields) {
+  constexpr double most = 0.5;  // seconds, metres
+  DepthCorrection depth;
+  fields.get("depth_delay", &depth.delay);
+  fields.get("depth_bias", &depth.bias);
+  if (std::abs(depth.delay) > most) {
+    fields.fail("depth_delay", "must lie between -0.5 and 0.5 seconds");
+  }
+  if (std::abs(depth.bias) > most) {
+    fields.fail("depth_bias", "must lie between -0.5 and 0.5 metres");
+  }
+  return depth;
+}
+
 /// `path`: for messages.
 Camera camera_of(const std::string& path, const YAML::Node& node) {
-  const Fields fields(
-      path, node,
-      {"name", "width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale", "min_depth",
-       "max_depth", "baseline", "frame_rate", "readout", "depth_noise"});
+  const Fields fields = read_fields(path, node);
   for (const std::string& key : required_keys) {
     if (!fields.has(key)) throw Error(fmt::format("{}: {} is missing; add it", path, key));
   }
@@ -141,6 +161,7 @@ Camera camera_of(const std::string& path, const YAML::Node& node) {
     noise.get("constant", &camera.depth_noise.constant);
     noise.get("quadratic", &camera.depth_noise.quadratic);
   }
+  read_depth_correction(fields);
   if (const auto reason = camera.check()) {
     // The reason begins with the field's name, which gives the line.
     const std::string key = reason->substr(0, reason->find(' '));
@@ -163,7 +184,11 @@ Camera parse_camera(const std::string& text, const std::string& name) {
   return camera_of(name, node);
 }
 
-std::string camera_text(const Camera& camera) {
+DepthCorrection load_depth_correction(const std::string& path) {
+  return read_depth_correction(read_fields(path, parse_file(path)));
+}
+
+std::string camera_text(const Camera& camera, const DepthCorrection& depth) {
   const Distortion& d = camera.distortion;
   std::string text;
   const auto line = [&text](const std::string& item, const char* comment) {
@@ -182,6 +207,8 @@ std::string camera_text(const Camera& camera) {
   line(fmt::format("distortion: [{}, {}, {}, {}, {}]", d.k1, d.k2, d.p1, d.p2, d.k3),
        "k1, k2, p1, p2, k3 as in OpenCV");
   line(fmt::format("depth_scale: {}", camera.depth_scale), "depth image units per metre");
+  line(fmt::format("depth_delay: {}", depth.delay), "seconds, of depth after its time stamp");
+  line(fmt::format("depth_bias: {}", depth.bias), "metres to be added to each depth");
   line(fmt::format("min_depth: {}", camera.min_depth), "metres; nearer readings are unknown");
   line(fmt::format("max_depth: {}", camera.max_depth), "metres; farther readings are unknown");
   line(fmt::format("baseline: {}", camera.baseline), "metres, of the virtual right camera");
@@ -194,9 +221,9 @@ std::string camera_text(const Camera& camera) {
   return text;
 }
 
-void save_camera(const Camera& camera, const std::string& path) {
+void save_camera(const Camera& camera, const std::string& path, const DepthCorrection& depth) {
   std::ofstream file(path);
-  file << camera_text(camera);
+  file << camera_text(camera, depth);
   file.close();
   if (!file) throw Error(path + ": cannot write the camera file");
 }

@@ -89,6 +89,7 @@ class TumSource : public RgbdSource {
   TumSource(const std::string& folder, const Camera& camera, const TumOptions& options)
       : folder_(folder),
         camera_(camera),
+        correction_(options.depth),
         pairs_(list_pairs(folder, options)),
         reader_(most_pixels(camera)) {
     if (!options.masks.empty()) masks_.emplace(options.masks, colour_files(pairs_));
@@ -161,10 +162,12 @@ class TumSource : public RgbdSource {
     RgbdFrame frame;
     frame.index = static_cast<int>(index);
     frame.timestamp = pair.timestamp;
-    frame.depth_delay = pair.depth_timestamp - pair.timestamp;
+    frame.depth_delay = pair.depth_timestamp + correction_.delay - pair.timestamp;
     frame.colour = std::move(colour.image);
     frame.depth =
         depth_in_metres(depth.image, camera_.depth_scale, camera_.min_depth, camera_.max_depth);
+    if (correction_.bias != 0.0)
+      cv::add(frame.depth, correction_.bias, frame.depth, frame.depth > 0);
     return frame;
   }
 
@@ -193,6 +196,7 @@ class TumSource : public RgbdSource {
 
   std::string folder_;
   Camera camera_;
+  DepthCorrection correction_;
   std::vector<ImagePair> pairs_;
   ImageReader reader_;
   std::optional<MaskFolder> masks_;

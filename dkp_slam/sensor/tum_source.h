@@ -7,6 +7,7 @@
 #include <string>
 
 #include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/rgbd_source.h"
 
 namespace dkp_slam {
@@ -22,6 +23,8 @@ struct TumOptions {
   /// Folder of masks (RgbdFrame::mask), each named like its colour image: STEM.png, 8-bit grey, of
   /// the image's size. Empty: none are read.
   std::filesystem::path masks;
+  /// Of the camera file: the delay is added to RgbdFrame::depth_delay, the bias to known depths.
+  DepthCorrection depth;
 };
 
 /// Opens a folder in the format of the TUM RGB-D benchmark (the Bonn RGB-D Dynamic Dataset uses it

@@ -118,6 +118,20 @@ Se3 SyntheticSource::world_from_camera(double timestamp) const {
   return scenario_.camera(timestamp - first_stamp);
 }
 
+cv::Mat SyntheticSource::sensed_depth(const cv::Mat& depth) const {
+  cv::Mat sensed;
+  if (options_.kinect_noise) {
+    // Each frame has a generator of its own, so that it does not depend on those before it.
+    cv::RNG rng((options_.seed << 24U) + arriving_[next_] + 1);
+    sensed = kinect_depth(depth, options_.camera, rng);
+  } else {
+    sensed = depth.clone();
+    sensed.setTo(0.0, (sensed < options_.camera.min_depth) | (sensed > options_.camera.max_depth));
+  }
+  if (options_.depth_bias != 0.0) cv::subtract(sensed, options_.depth_bias, sensed, sensed > 0.0);
+  return sensed;
+}
+
 std::optional<RgbdFrame> SyntheticSource::read() {
   if (next_ >= options_.frames) return std::nullopt;
   if (!renderer_) {
@@ -141,15 +155,14 @@ std::optional<RgbdFrame> SyntheticSource::read() {
   truth_.mask = cv::Mat(seen.instance != 0);
   truth_.objects = objects_in(seen.instance, scenario_.actors);
   frame.colour = sensor_->expose(seen.radiance, time);
-  if (options_.kinect_noise) {
-    // Each frame has a generator of its own, so that it does not depend on those before it.
-    cv::RNG rng((options_.seed << 24U) + arriving_[next_] + 1);
-    frame.depth = kinect_depth(seen.depth, options_.camera, rng);
-  } else {
-    frame.depth = seen.depth.clone();
-    frame.depth.setTo(
-        0.0, (frame.depth < options_.camera.min_depth) | (frame.depth > options_.camera.max_depth));
+  cv::Mat later = seen.depth;
+  if (options_.depth_delay != 0.0) {
+    rendering.samples = 1;  // more only make colours smoother
+    later =
+        renderer_->render(options_.camera, scenario_.camera, time + options_.depth_delay, rendering)
+            .depth;
   }
+  frame.depth = sensed_depth(later);
   ++next_;
   return frame;
 }

@@ -28,6 +28,10 @@ struct SyntheticOptions {
   bool kinect_noise = true;
   /// A readout time other than 0 makes it a rolling shutter.
   Camera camera = default_camera();
+  /// Seconds by which depth is taken after the time stamp that it shares with its colour image.
+  double depth_delay = 0.0;
+  /// Metres that depth images lack: to be added to what they say.
+  double depth_bias = 0.0;
   /// Camera path in TUM format instead of the scenario's own (see `recorded_motion`); empty: none.
   std::filesystem::path trajectory;
 
@@ -80,6 +84,8 @@ class SyntheticSource : public RgbdSource {
  private:
   /// `duration`: of a recorded path, seconds.
   void plan_frames(std::optional<double> duration);
+  /// What the depth sensor makes of a true depth image.
+  cv::Mat sensed_depth(const cv::Mat& depth) const;
 
   SyntheticOptions options_;
   Scenario scenario_;

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "dkp_slam/calibration/sightings.h"
+#include "dkp_slam/geometry/stamped_pose.h"
+#include "dkp_slam/system/config.h"
+#include "dkp_slam/system/observer.h"
+
+namespace dkp_slam {
+
+/// Keeps what each frame saw of the map. To be added with Delivery::every.
+class SightingRecorder : public SlamObserver {
+ public:
+  explicit SightingRecorder(const SlamConfig& config)
+      : camera_(config.camera), level_scale_(config.orb.scale) {}
+
+  void on_frame(const std::shared_ptr<const FrameSnapshot>& snapshot) override;
+
+  /// After Slam::finish: the frames that lie on this path, with the poses of the path.
+  std::vector<SightedFrame> frames_on(const Trajectory& path) const;
+
+ private:
+  Camera camera_;
+  double level_scale_;
+  std::vector<SightedFrame> frames_;
+};
+
+}  // namespace dkp_slam
