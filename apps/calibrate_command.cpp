@@ -31,7 +31,7 @@ struct CalibrateArguments {
   std::string camera, mode = "off";
   fs::path out, plot;
   std::vector<std::string> lengths;
-  bool focal = false, distortion = false;
+  bool bias = false, focal = false, distortion = false;
   ConfigOptions config;
 };
 
@@ -95,6 +95,7 @@ void calibrate_camera(const CalibrateArguments& arguments) {
     throw CLI::ValidationError("--mode", "masks is none of calibrate's: it reads no --masks");
   }
   CalibrationOptions options;
+  options.bias = arguments.bias;
   options.focal = arguments.focal;
   options.distortion = arguments.distortion;
   options.lengths = lengths_of(arguments);
@@ -139,7 +140,7 @@ void add_calibrate_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "calibrate",
       "Finds what a camera file says of times and depth, from the images of sequences in which the "
-      "camera is turned to and fro: readout, delay and bias of depth, on request the lens, and "
+      "camera is turned to and fro: readout and delay of depth, on request bias and lens, and "
       "with a known length the depth scale.");
   command->add_option("SEQUENCE", arguments->sequences, "Folders in TUM RGB-D format, one camera")
       ->required();
@@ -149,6 +150,7 @@ void add_calibrate_command(CLI::App& program) {
                       "SEQUENCE/camera.yaml, else by the folder's name");
   command->add_option("--plot", arguments->plot, "Draw what shows it: .svg or .png")
       ->check(check_figure_name);
+  command->add_flag("--bias", arguments->bias, "Find the bias of depth, too");
   command->add_flag("--focal", arguments->focal, "Find the focal lengths, too");
   command->add_flag("--distortion", arguments->distortion, "Find the lens distortion, too");
   command->add_option(

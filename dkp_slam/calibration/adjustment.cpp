@@ -142,7 +142,9 @@ ParameterMatrix covariance_of(const Systems& systems, const MeasuredNoise& noise
   const std::vector<ReducedSystem> all = systems.reduce(p, noise, 0.0);
   const ParameterMatrix plain = systems.inverse(sum_of(all).h);
   constexpr std::size_t least = 4;  // windows whose scatter says anything
-  if (all.size() < least) return plain;
+  // Errors within a window hang together: without a scatter to see by how much, by a guess.
+  constexpr double guess = 3.0;
+  if (all.size() < least) return guess * guess * plain;
   ParameterMatrix scatter = ParameterMatrix::Zero();
   for (const ReducedSystem& r : all) scatter += r.g * r.g.transpose();
   const auto n = static_cast<double>(all.size());

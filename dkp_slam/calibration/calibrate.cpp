@@ -42,7 +42,8 @@ class Calibrator {
     state_.depth = depth;
     start_depth_ = depth;
     free_.fill(false);
-    free_[readout_parameter] = free_[delay_parameter] = free_[bias_parameter] = true;
+    free_[readout_parameter] = free_[delay_parameter] = true;
+    free_[bias_parameter] = options.bias;
     if (options.focal) free_[fx_parameter] = free_[fy_parameter] = true;
     if (options.distortion) {
       for (int p : {k1_parameter, k2_parameter, p1_parameter, p2_parameter, k3_parameter})
@@ -228,7 +229,9 @@ class Calibrator {
                  true, ""});
     v.push_back({"depth_bias", "m", start_depth_.bias, out_.depth.bias, sigmas_[bias_parameter],
                  free_[bias_parameter], ""});
-    if (!free_[bias_parameter]) {
+    if (!options_.bias) {
+      v.back().reason = "it is sought with --bias";
+    } else if (!free_[bias_parameter]) {
       v.back().reason = fmt::format(
           "the motion tells it to {:.0f} mm only: move sideways before things near and far",
           1e3 * bias_sigma_);

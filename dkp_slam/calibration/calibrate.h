@@ -22,6 +22,8 @@ struct CalibrationSequence {
 };
 
 struct CalibrationOptions {
+  /// Also find the bias of depth. Off: the less is sought, the surer it is.
+  bool bias = false;
   bool focal = false;                ///< also find fx and fy
   bool distortion = false;           ///< also find k1, k2, p1, p2, k3
   std::vector<KnownLength> lengths;  ///< in the first sequence; give the depth scale

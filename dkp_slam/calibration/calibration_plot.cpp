@@ -77,7 +77,7 @@ void draw_calibration(Canvas& canvas, const Calibration& calibration, const std:
   canvas.text({24.0, 32.0}, title, title_size, TextAnchor::start, ink);
   const FoundValue& readout = value_of(calibration, "readout");
   const FoundValue& delay = value_of(calibration, "depth_delay");
-  canvas.text({left, 66.0},
+  canvas.text({left, 54.0},
               fmt::format("readout {:.2f} +- {:.2f} ms (was {:.2f})", ms * readout.value,
                           ms * readout.sigma, ms * readout.before),
               text_size, TextAnchor::start, ink);
@@ -90,7 +90,7 @@ void draw_calibration(Canvas& canvas, const Calibration& calibration, const std:
   draw_bins(canvas, rows, calibration.rows, ms);
   draw_legend_at(canvas, 76.0);
 
-  canvas.text({left, 356.0},
+  canvas.text({left, 344.0},
               fmt::format("delay of depth {:.2f} +- {:.2f} ms (was {:.2f})", ms * delay.value,
                           ms * delay.sigma, ms * delay.before),
               text_size, TextAnchor::start, ink);

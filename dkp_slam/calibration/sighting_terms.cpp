@@ -49,8 +49,11 @@ bool depth_residual(const T* pose, const T* point, const L* lens, double bias,
   const DepthPatch& d = seen.depth;
   const T measured =
       d.inverse + d.slope.x() * (place[0] - d.pixel.x()) + d.slope.y() * (place[1] - d.pixel.y());
-  if (measured < 0.02) return false;
-  r[0] = 1.0 / p[2] - measured / (1.0 + bias * measured);
+  // What the sensor must have said is compared with what it said. The other way round, by
+  // correcting what it said, a large bias would make all errors small.
+  const T sensed = p[2] - bias;
+  if (sensed < nearest) return false;
+  r[0] = 1.0 / sensed - measured;
   return true;
 }
 
@@ -123,9 +126,9 @@ ErrorTerm<1> depth_error(const MotionSpline& motion, const Eigen::Vector3d& poin
   if (!term.valid) return term;
   term.by_parameter.col(readout_parameter) = seen.row * term.by_time;
   term.by_parameter.col(delay_parameter) = term.by_time;
-  // m / (1 + b m) by b, m being what was measured: m^2 / (1 + b m)^2, with the other sign.
-  const double corrected = seen.depth.inverse / (1.0 + bias * seen.depth.inverse);
-  term.by_parameter(0, bias_parameter) = corrected * corrected;
+  // By the bias of 1 / (z - bias), which is what was measured but for the error.
+  const double sensed = term.error[0] + seen.depth.inverse;
+  term.by_parameter(0, bias_parameter) = sensed * sensed;
   return term;
 }
 
