@@ -1,3 +1,5 @@
+#include "apps/run_command.h"
+
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -19,6 +21,7 @@
 #include "apps/run_options.h"
 #include "apps/run_overlay.h"
 #include "apps/run_report.h"
+#include "apps/run_view.h"
 #include "apps/source_choice.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/detection/recorded_detector.h"
@@ -219,6 +222,32 @@ SourceChoice choice_of(const RunOptions& options, const SlamConfig& config) {
   return choice;
 }
 
+/// Null where nobody wants one.
+std::unique_ptr<LiveView> open_view(const RunOptions& options, const SlamConfig& config,
+                                    const RgbdSource& source, const std::string& detector) {
+  if (!options.view.wanted) return nullptr;
+  viewer::SceneInfo info;
+  const fs::path folder = fs::path(options.sequence).lexically_normal();
+  info.title = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
+  info.facts = {{"sequence", options.sequence},
+                {"mode", mode_info(config.dynamics.mode).name},
+                {"detector", detector},
+                {"camera", options.camera}};
+  info.frames = source.size();
+  info.camera = config.camera;
+  const fs::path truth = folder / "groundtruth.txt";
+  if (fs::exists(truth)) {
+    try {
+      info.truth = read_trajectory(truth);
+    } catch (const Error& error) {
+      spdlog::warn("shown without the truth: {}", error.what());
+    }
+  }
+  return std::make_unique<LiveView>(options.view, std::move(info), !config.realtime);
+}
+
+}  // namespace
+
 void run(RunOptions options) {
   catch_interrupts();
   SlamConfig config = make_config(options.config);
@@ -230,12 +259,15 @@ void run(RunOptions options) {
   config.localize_only = !options.localize.empty();
   // Everything that can be wrong is found before the first frame; the folder comes last, so that
   // other mistakes leave none behind.
-  const OpenedSource opened = open_source(choice_of(options, config));
+  OpenedSource opened = open_source(choice_of(options, config));
   options.camera = opened.camera_name;
   config.camera = opened.camera;
   auto detector = choose_detector(options, config);
   RunObservers observers;
   observers.map = std::make_shared<RunMap>(options.map, options.localize, config);
+  const std::string detector_name = detector ? detector->name() : "none";
+  const auto view = open_view(options, config, *opened.source, detector_name);
+  if (view) opened.source = view->gated(std::move(opened.source));
   prepare_run_folder(options.out);
   if (options.overlay) {
     observers.overlay = std::make_shared<OverlayWriter>(options.out, options.overlay_every);
@@ -249,11 +281,12 @@ void run(RunOptions options) {
   SlamConfig used = config;
   used.dynamics = options_of_mode(config.dynamics);
   result.config = config_json(used);
-  result.detector = detector ? detector->name() : "none";
+  result.detector = detector_name;
   std::optional<Map> stored = observers.map->take_stored();
   const bool with_map = observers.map->begin(config);
   Slam slam(config, std::move(detector), std::move(stored));
   observers.join(slam, with_map);
+  if (view) view->join(slam);
   PlaybackOptions playback;
   playback.rate = rate_of(options, config);
   playback.one_at_a_time = options.one_at_a_time;
@@ -278,12 +311,16 @@ void run(RunOptions options) {
   result.medians = log.medians();
   save_run(result, log, options.out);
   observers.path->remove();
+  if (view) view->scene().finish(result.trajectory);
   std::fputs(summary_text(result, options.out).c_str(), stdout);
   std::fflush(stdout);
+  if (view && options.view.stay) view->stay();
   if (const std::string problem = verdict(result.totals); !problem.empty()) {
     throw Error(fmt::format("{} ({} holds what there is)", problem, options.out.string()));
   }
 }
+
+namespace {
 
 void add_source_options(CLI::App& command, RunOptions& options) {
   auto* sequence =
@@ -302,9 +339,6 @@ void add_source_options(CLI::App& command, RunOptions& options) {
                   "Seconds that a socket waits for a driver that was cut off to come back")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
-  command.add_option("--camera", options.camera,
-                     "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else the stream's "
-                     "own, or SEQUENCE/camera.yaml, else by the folder's name");
 }
 
 void add_detector_options(CLI::App& command, RunOptions& options) {
@@ -339,48 +373,59 @@ void add_detector_options(CLI::App& command, RunOptions& options) {
 
 }  // namespace
 
-void add_run_command(CLI::App& program) {
-  auto options = std::make_shared<RunOptions>();
-  CLI::App* command = program.add_subcommand(
-      "run", "Localise the camera in an RGB-D sequence with people in it; write its path.");
-  add_source_options(*command, *options);
-  add_shortcut(*command, options->config, "--mode", "mode",
+void add_run_options(CLI::App& command, RunOptions& options) {
+  command.add_option("--camera", options.camera,
+                     "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else the stream's "
+                     "own, or SEQUENCE/camera.yaml, else by the folder's name");
+  add_shortcut(command, options.config, "--mode", "mode",
                "What is removed: off (nothing), masks (what --masks say), paper (the paper to the "
                "letter), d (boxes), dk "
                "(clustered masks), dkp (region and epipolar rule), dkp+ (ours); docs/modes.md")
       ->check(CLI::IsMember(names_of_modes()).description(mode_names()))
       ->default_str("dkp+");
-  add_detector_options(*command, *options);
+  add_detector_options(command, options);
   auto* realtime =
-      add_flag_shortcut(*command, options->config, "--realtime", "realtime",
+      add_flag_shortcut(command, options.config, "--realtime", "realtime",
                         "Play by the time stamps, drop what comes too late, wait for nothing");
-  command->add_option(
-      "--rate", options->rate,
+  command.add_option(
+      "--rate", options.rate,
       "With --realtime: so many times as fast as it was recorded, above 0 and at most 100; "
       "default: 1");
   command
-      ->add_flag(
-          "--one-at-a-time", options->one_at_a_time,
+      .add_flag(
+          "--one-at-a-time", options.one_at_a_time,
           "Read a frame when the one before is done: slower, but each stage's time is its own")
       ->excludes(realtime);
-  add_shortcut(*command, options->config, "--seed", "seed", "Seed of everything random")
+  add_shortcut(command, options.config, "--seed", "seed", "Seed of everything random")
       ->default_str("1");
-  add_config_options(*command, options->config);
-  command->add_option("--out", options->out, "Folder for the results; made where missing")
-      ->required();
-  auto* map = command->add_option("--map", options->map,
-                                  "Map file: go on with it where it is there, make it where it is "
-                                  "not, and keep it up to date all the time");
+  add_config_options(command, options.config);
+  auto* map = command.add_option("--map", options.map,
+                                 "Map file: go on with it where it is there, make it where it is "
+                                 "not, and keep it up to date all the time");
   command
-      ->add_option("--localize", options->localize,
-                   "Map file: only find the camera in it, and leave it as it is")
+      .add_option("--localize", options.localize,
+                  "Map file: only find the camera in it, and leave it as it is")
       ->excludes(map);
-  auto* overlay = command->add_flag("--overlay", options->overlay,
-                                    "Pictures of boxes, masks and features in OUT/overlay");
-  command->add_option("--overlay-every", options->overlay_every, "Frames from picture to picture")
+  auto* overlay = command.add_flag("--overlay", options.overlay,
+                                   "Pictures of boxes, masks and features in OUT/overlay");
+  command.add_option("--overlay-every", options.overlay_every, "Frames from picture to picture")
       ->check(CLI::Range(1, 1000000))
       ->needs(overlay)
       ->capture_default_str();
+}
+
+void add_run_command(CLI::App& program) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = program.add_subcommand(
+      "run", "Localise the camera in an RGB-D sequence with people in it; write its path.");
+  add_source_options(*command, *options);
+  add_run_options(*command, *options);
+  command->add_option("--out", options->out, "Folder for the results; made where missing")
+      ->required();
+  auto* view =
+      command->add_flag("--view", options->view.wanted,
+                        "Show the run on a web page, whose address is printed; docs/view.md");
+  for (CLI::Option* option : add_server_options(*command, options->view)) option->needs(view);
   command->callback([options] { run(*options); });
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "apps/config_options.h"
+#include "apps/run_view.h"
 
 namespace dkp_slam::apps {
 
@@ -24,6 +25,7 @@ struct RunOptions {
   bool one_at_a_time = false;
   bool overlay = false;
   int overlay_every = 30;  ///< frames; one picture a second
+  ViewOptions view;
 };
 
 }  // namespace dkp_slam::apps

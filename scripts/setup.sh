@@ -40,7 +40,7 @@ did=()
 note() { did+=("$1"); echo "== $1"; }
 
 packages=(
-  ca-certificates ccache cmake curl g++ git make ninja-build
+  ca-certificates ccache cmake curl g++ git libcpp-httplib-dev make ninja-build
   libceres-dev libcli11-dev libdeflate-dev libeigen3-dev libembree-dev libfmt-dev libgmock-dev libgtest-dev
   libopencv-dev libspdlog-dev libsqlite3-dev libyaml-cpp-dev nlohmann-json3-dev pkg-config
 )
