@@ -57,6 +57,12 @@ void add_demo_command(CLI::App& program) {
       ->capture_default_str();
   command->add_option("--model", options->model,
                       "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
+  auto* view = command->add_flag("--view", options->view,
+                                 "Show both runs on a web page, whose address is printed");
+  command->add_option("--port", options->port, "Port of the page; 0: any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->needs(view)
+      ->capture_default_str();
   command->callback([options] { demo(*options); });
 }
 

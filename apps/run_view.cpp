@@ -13,6 +13,7 @@
 
 #include "apps/process.h"
 #include "apps/progress.h"
+#include "dkp_slam/error.h"
 #include "viewer/scene_observer.h"
 
 namespace dkp_slam::apps {
@@ -53,9 +54,10 @@ std::vector<CLI::Option*> add_server_options(CLI::App& command, ViewOptions& opt
 
 LiveView::LiveView(const ViewOptions& options, viewer::SceneInfo info, bool pausable)
     : scene_(std::make_shared<viewer::Scene>(std::move(info))),
-      gate_(pausable ? std::make_shared<viewer::PlaybackGate>(options.wait) : nullptr),
+      gate_(pausable ? std::make_shared<viewer::PlaybackGate>(options.paused) : nullptr),
       server_(scene_, gate_, options.server),
       messages_(std::make_shared<SceneSink>(scene_)) {
+  if (options.paused && !pausable) throw Error("--paused: not in real time, where nothing waits");
   spdlog::default_logger()->sinks().push_back(messages_);
   std::fputs(fmt::format("view: {}\n", server_.url()).c_str(), stderr);
   std::fflush(stderr);

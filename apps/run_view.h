@@ -19,8 +19,8 @@ namespace dkp_slam::apps {
 struct ViewOptions {
   bool wanted = false;
   viewer::ServerOptions server;
-  bool wait = false;  ///< with the first frame, for the first page
-  bool stay = false;  ///< open after the run, until Ctrl-C
+  bool paused = false;  ///< from the beginning, until a page lets the playback go
+  bool stay = false;    ///< open after the run, until Ctrl-C
 };
 
 /// Adds --port and --listen; returns them.

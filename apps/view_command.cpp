@@ -99,8 +99,8 @@ void add_view_command(CLI::App& program) {
                    "Folder in TUM RGB-D format, which is run as by `dkp-slam run`, or a map file")
       ->required();
   add_server_options(*command, arguments->run.view);
-  command->add_flag("--wait", arguments->run.view.wait,
-                    "Begin when a page is opened (not with --realtime)");
+  command->add_flag("--paused", arguments->run.view.paused,
+                    "Begin paused, until the page says go on (not with --realtime)");
   command->add_flag("--once", arguments->once, "End when the sequence does");
   command->add_option("--out", arguments->run.out,
                       "Folder for the results, as of a run; without it none are kept");

@@ -10,6 +10,7 @@ usage: scripts/setup.sh [--checks] [--with NAME,...] [--no-apt] [--no-onnxruntim
   --checks           also what scripts/check.sh needs: clang-format, clang-tidy, shellcheck
   --with NAME,...    also what only some users need:
                        python: for the Python module, its tests and its wheel
+                       page-tests: a browser and what drives it, for the tests of the live view's page
   --no-apt           leave system packages alone (they are there, or another tool manages them)
   --no-onnxruntime   do not fetch ONNX Runtime; YOLOX then runs on OpenCV's dnn, about 4 times slower
 TEXT
@@ -50,7 +51,8 @@ for extra in "${extras[@]}"; do
     python)
       packages+=(pybind11-dev python3-dev python3-matplotlib python3-numpy python3-pip python3-pytest
                  python3-wheel) ;;
-    *) echo "setup.sh: --with '$extra' is none of: python" >&2; exit 2 ;;
+    page-tests) packages+=(chromium npm) ;;
+    *) echo "setup.sh: --with '$extra' is none of: python, page-tests" >&2; exit 2 ;;
   esac
 done
 
@@ -140,12 +142,21 @@ setup_onnxruntime() {
   note "ONNX Runtime: package version $version now in third_party/onnxruntime"
 }
 
+setup_page_tests() {
+  if (cd "$root/viewer/page" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error); then
+    note "page tests: npm's packages are in viewer/page/node_modules"
+  else
+    note "page tests: npm could not fetch its packages (see above); the page's tests will be skipped"
+  fi
+}
+
 if [ "$use_apt" -eq 1 ]; then setup_packages; else note "system packages: left alone (--no-apt)"; fi
 if [ "$use_onnxruntime" -eq 1 ]; then
   setup_onnxruntime
 else
   without_onnxruntime "left out (--no-onnxruntime)"
 fi
+if [[ " ${extras[*]} " == *" page-tests "* ]]; then setup_page_tests; fi
 
 echo
 echo "Set-up done:"

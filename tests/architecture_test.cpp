@@ -213,7 +213,7 @@ Problems form_problems(const Tree& tree) {
 Problems dead_paths(const std::string& page) {
   const fs::path root = DKP_SLAM_SOURCE_DIR;
   static const std::regex path(
-      R"(`((?:apps|bench|cmake|config|dkp_slam|docs|examples|python|scripts|tests)/[A-Za-z0-9_./-]*)`)");
+      R"(`((?:apps|bench|cmake|config|dkp_slam|docs|examples|python|scripts|tests|viewer)/[A-Za-z0-9_./-]*)`)");
   Problems problems;
   const std::string text = read(root / page);
   if (text.empty()) problems.push_back(page + " is not there");
@@ -245,13 +245,13 @@ TEST(Architecture, EveryFolderOfTheListIsThereOnce) {
 }
 
 TEST(Architecture, FilesAreShortAndNamedAlike) {
-  EXPECT_THAT(
-      form_problems(sources_under({"apps", "bench", "dkp_slam", "examples", "python", "tests"})),
-      IsEmpty());
+  EXPECT_THAT(form_problems(sources_under(
+                  {"apps", "bench", "dkp_slam", "examples", "python", "tests", "viewer"})),
+              IsEmpty());
 }
 
 TEST(Architecture, PagesNameFilesThatAreThere) {
-  for (const char* page : {"README.md", "CONTRIBUTING.md", "docs/architecture.md"})
+  for (const char* page : {"README.md", "CONTRIBUTING.md", "docs/architecture.md", "docs/view.md"})
     EXPECT_THAT(dead_paths(page), IsEmpty());
 }
 

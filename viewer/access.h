@@ -17,11 +17,11 @@ struct AccessRules {
 /// What of a request decides whether it is answered; empty where it did not say.
 struct Asker {
   std::string method = "GET";
-  std::string host, origin;
-  std::string fetch_site;  ///< the header Sec-Fetch-Site
-  std::string cookies;     ///< the header Cookie
-  std::string token;       ///< the parameter of the address
-  bool data = true;        ///< asks for more than the page itself
+  std::string host = {}, origin = {};
+  std::string fetch_site = {};  ///< the header Sec-Fetch-Site
+  std::string cookies = {};     ///< the header Cookie
+  std::string token = {};       ///< the parameter of the address
+  bool data = true;             ///< asks for more than the page itself
 };
 
 /// Why a request is not answered.

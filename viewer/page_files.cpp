@@ -23,6 +23,7 @@ EMBED(script, "page.js");
 EMBED(worker, "ticks.js");
 EMBED(style, "page.css");
 EMBED(icon, "icon.svg");
+EMBED(licences, "licences.txt");
 
 namespace dkp_slam::viewer {
 namespace {
@@ -39,6 +40,8 @@ const std::vector<PageFile>& page_files() {
       {"/page.js", "text/javascript", between(dkp_slam_page_script, dkp_slam_page_script_end)},
       {"/ticks.js", "text/javascript", between(dkp_slam_page_worker, dkp_slam_page_worker_end)},
       {"/page.css", "text/css", between(dkp_slam_page_style, dkp_slam_page_style_end)},
+      {"/licences.txt", "text/plain; charset=utf-8",
+       between(dkp_slam_page_licences, dkp_slam_page_licences_end)},
       {"/icon.svg", "image/svg+xml", between(dkp_slam_page_icon, dkp_slam_page_icon_end)}};
   return files;
 }

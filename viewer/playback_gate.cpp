@@ -23,12 +23,9 @@ void PlaybackGate::step() {
 }
 
 void PlaybackGate::page_opened() {
-  {
-    const std::lock_guard lock(mutex_);
-    ++pages_;
-    waits_for_page_ = false;
-  }
-  changed_.notify_all();
+  const std::lock_guard lock(mutex_);
+  ++pages_;
+  watched_ = true;
 }
 
 void PlaybackGate::page_closed() {
@@ -48,11 +45,11 @@ int PlaybackGate::pages() const {
 }
 
 bool PlaybackGate::holds() {
-  if (paused_ && pages_ == 0 && Clock::now() - last_closed_ > grace) {
+  if (paused_ && watched_ && pages_ == 0 && Clock::now() - last_closed_ > grace) {
     paused_ = false;
     steps_ = 0;
   }
-  return paused_ || waits_for_page_;
+  return paused_;
 }
 
 void PlaybackGate::wait(const std::atomic<bool>* stop) {

@@ -21,8 +21,8 @@ class PlaybackGate {
   /// A reload is over sooner.
   static constexpr std::chrono::milliseconds grace{2000};
 
-  /// `wait_for_page`: nothing goes through before a page has been opened.
-  explicit PlaybackGate(bool wait_for_page = false) : waits_for_page_(wait_for_page) {}
+  /// `paused`: from the beginning, for as long as it takes until the first page opens.
+  explicit PlaybackGate(bool paused = false) : paused_(paused) {}
 
   void pause(bool paused);
   /// Lets one more frame through, and no other.
@@ -41,8 +41,8 @@ class PlaybackGate {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  bool waits_for_page_;
-  bool paused_ = false;
+  bool paused_;
+  bool watched_ = false;  // by a page, now or before
   int steps_ = 0;
   int pages_ = 0;
   Clock::time_point last_closed_;

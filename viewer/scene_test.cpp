@@ -60,7 +60,9 @@ PageState after(const std::string& update) {
 }
 
 TEST(Scene, APageGetsWhatItLacks) {
-  Scene scene({.title = "there"});
+  SceneInfo info;
+  info.title = "there";
+  Scene scene(info);
   scene.add_frame(frame(0));
   scene.add_frame(frame(1));
   const std::string first = scene.update({}, nullptr);

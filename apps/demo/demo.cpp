@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -46,10 +48,27 @@ std::optional<std::size_t> steps_done(const fs::path& log) {
   return std::nullopt;
 }
 
-/// Runs one step and shows how far it is.
+/// Address of the page that a step serves, once its log says so; else empty.
+std::string page_of(const fs::path& log) {
+  const std::string before = "view: ";
+  std::ifstream lines(log);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with(before)) return line.substr(before.size());
+  }
+  return "";
+}
+
+/// Port in "http://127.0.0.1:8000/"; 0 where there is none.
+int port_of(const std::string& page) {
+  const std::size_t colon = page.rfind(':');
+  return colon == std::string::npos ? 0 : std::atoi(page.c_str() + colon + 1);
+}
+
+/// Runs one step and shows how far it is, and where its page is.
 ProcessResult run_step(const std::string& title, std::vector<std::string> command,
                        const fs::path& log, std::size_t frames) {
   command.insert(command.begin(), this_program);
+  bool page_told = std::find(command.begin(), command.end(), "--view") == command.end();
   Progress progress(title, frames);
   progress.update(0);
   auto looked = std::chrono::steady_clock::now();
@@ -58,6 +77,11 @@ ProcessResult run_step(const std::string& title, std::vector<std::string> comman
     if (now - looked > look_interval) {
       looked = now;
       if (const auto done = steps_done(log)) progress.update(std::min(*done, frames));
+      const std::string page = page_told ? "" : page_of(log);
+      if (!page.empty()) {
+        spdlog::info("view: {}", page);
+        page_told = true;
+      }
     }
     return interrupted();
   });
@@ -127,6 +151,9 @@ DemoRun make_run(const DemoOptions& options, const std::string& mode, const std:
   if (!options.model.empty() && mode != "off") {
     command.insert(command.end(), {"--detector", "yolox", "--model", options.model});
   }
+  if (options.view) {
+    command.insert(command.end(), {"--view", "--port", std::to_string(options.port)});
+  }
   fs::remove(folder / "summary.json");  // an earlier demo's is not to be taken for this one's
   const ProcessResult result = run_step(title, command, log, options.frames);
   run.seconds = result.wall_s;
@@ -195,7 +222,9 @@ DemoResult make_demo(const DemoOptions& options) {
   make_sequence(options, sequence);
   result.truth = read_trajectory(sequence / "groundtruth.txt");
   result.off = make_run(options, "off", "2/3 nothing left out", result.truth);
-  result.best = make_run(options, best_mode, "3/3 people left out", result.truth);
+  DemoOptions second = options;  // whose page takes the first one's place
+  if (options.view) second.port = port_of(page_of(options.out / "off.log"));
+  result.best = make_run(second, best_mode, "3/3 people left out", result.truth);
   result.model = model_of(options.out / best_mode);
   result.yolox = !result.model.empty();
   result.frames = choose_frames(result.off, result.best);

@@ -19,6 +19,8 @@ struct DemoOptions {
   std::size_t frames =
       300;            ///< ten seconds: long enough for people to cross the view several times
   std::string model;  ///< YOLOX weights; empty: as dkp-slam run looks for them
+  bool view = false;  ///< both runs are shown on a web page
+  int port = 0;       ///< of that page; 0: any that is free, the same for both
 };
 
 /// One run of the demo and what it gave.

@@ -4,7 +4,7 @@ import 'uplot/dist/uPlot.min.css';
 import { column } from './rows.js';
 import { colour, onSchemeChange } from './theme.js';
 
-const window = 300;  // frames that the chart of times shows
+const shownFrames = 300;  // in the chart of times
 const stages = [
   ['whole frame', column.frame, 'stage-frame', []],
   ['features', column.feature, 'stage-feature', []],
@@ -68,7 +68,7 @@ export class TimesChart {
 
   // The last frames up to this row.
   show(rows, row) {
-    const first = Math.max(0, row - window + 1);
+    const first = Math.max(0, row - shownFrames + 1);
     const data = Array.from({ length: stages.length + 1 }, () => []);
     for (let i = first; i <= row; ++i) {
       data[0].push(rows.get(i, column.time));

@@ -74,7 +74,8 @@ function attempt(promise) {
 let following = true;
 function setFollowing(on) {
   following = on;
-  if (world) world.stage.followed = null;
+  // From what the view turns about now to the camera.
+  if (world) world.stage.followed = on ? world.stage.controls.target.clone() : null;
   byId('follow').setAttribute('aria-pressed', String(on));
 }
 
@@ -163,7 +164,10 @@ transport.addEventListener('row', () => {
   showRow();
 });
 
-byId('follow').onclick = () => setFollowing(!following);
+byId('follow').onclick = () => {
+  setFollowing(!following);
+  showRow();
+};
 byId('fit').onclick = showAll;
 addEventListener('keydown', (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;

@@ -41,6 +41,11 @@ export class Picture {
     } finally {
       this.busy = false;
     }
+    // The server may have had none newer yet.
+    if (this.newest && this.shown !== this.wanted) {
+      clearTimeout(this.retry);
+      this.retry = setTimeout(() => this.show(this.wanted, this.newest).catch(() => {}), 100);
+    }
   }
 
   async take(answer, wanted) {

@@ -1,13 +1,20 @@
 // The view in three dimensions: renderer, camera, and when to draw. Draws only what has changed.
-import { Color, Group, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
+import {
+  Color, ColorManagement, Group, LinearSRGBColorSpace, PerspectiveCamera, Scene, Vector3,
+  WebGLRenderer,
+} from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { colour, onSchemeChange } from './theme.js';
+
+// Colours go to the screen as the style sheet and the images have them: nothing is lit here.
+ColorManagement.enabled = false;
 
 export class Stage {
   // Throws where there is no WebGL.
   constructor(canvas) {
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'low-power' });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(55, 1, 0.02, 500);

@@ -36,7 +36,7 @@ export class Status {
     if (this.connection === 'refused') return ['too many pages are open', 'bad'];
     if (this.connection === 'lost') return [finished ? 'closed' : 'connection lost', 'bad'];
     if (info?.kind === 'map') return ['map', 'good'];
-    if (row < 0) return ['waiting for frames', 'quiet'];
+    if (row < 0) return [playback.paused ? 'paused' : 'waiting for frames', 'quiet'];
     const lost = rows.get(row, column.localised) !== 1;
     if (lost) return [rows.get(row, column.state) === 0 ? 'not started' : 'lost', 'bad'];
     if (finished) return ['finished', 'good'];

@@ -6,7 +6,6 @@ export class Transport extends EventTarget {
     super();
     this.model = model;
     this.held = null;  // row; null: the newest
-    this.steps = 0;    // asked of the playback, whose frames are to come
     for (const id of ['pause', 'back', 'step', 'scrub', 'live', 'place']) {
       this[`${id}Element`] = document.getElementById(id);
     }
@@ -34,10 +33,6 @@ export class Transport extends EventTarget {
 
   take(reset) {
     if (reset && this.held !== null && this.last < this.held) this.held = null;
-    if (this.held !== null && this.steps > 0 && this.held < this.last) {
-      --this.steps;
-      this.hold(this.held + 1);
-    }
   }
 
   hold(row) {
@@ -47,7 +42,6 @@ export class Transport extends EventTarget {
 
   release() {
     this.held = null;
-    this.steps = 0;
     this.tell();
   }
 
@@ -65,8 +59,7 @@ export class Transport extends EventTarget {
   move(by) {
     const row = this.row;
     if (by > 0 && row >= this.last && this.model.playback.pausable && !this.model.finished) {
-      ++this.steps;
-      this.hold(row);
+      this.release();  // a playback that takes single steps shows the newest
       this.model.command('step');
     } else {
       this.hold(row + by);

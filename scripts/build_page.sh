@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Builds the live view's page from viewer/page/src. What it makes, viewer/page/built, is part of the
+# repository and of the program, so that building the program needs no npm.
+#   scripts/build_page.sh           into viewer/page/built
+#   scripts/build_page.sh --check   changes nothing; fails where the built files are not the sources'
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../viewer/page"
+
+if [ "${1:-}" != "" ] && [ "$1" != "--check" ]; then
+  echo "usage: scripts/build_page.sh [--check]" >&2
+  exit 2
+fi
+if [ ! -d node_modules/vite ]; then
+  npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
+fi
+if [ "${1:-}" != "--check" ]; then
+  npx vite build --logLevel warn
+  exit
+fi
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+PAGE_FOLDER=$folder npx vite build --logLevel warn
+if ! diff -rq built "$folder"; then
+  echo "build_page.sh: viewer/page/built is not what the sources give; run scripts/build_page.sh" >&2
+  exit 1
+fi
+echo "build_page.sh: viewer/page/built is what the sources give"
