@@ -114,7 +114,8 @@ TEST_F(ViewCommandTest, WrongOptionsAreSaidBeforeAnythingIsWritten) {
     std::vector<std::string> all{"run", wall.folder().string(), "--mode", "off", "--out", out};
     all.insert(all.end(), more.begin(), more.end());
     const Program program = start("a", all);
-    return std::pair(program.wait(), program.err());
+    const int code = program.wait();
+    return std::pair(code, program.err());
   };
   EXPECT_EQ(run({"--port", "8000"}).first, 2);  // without --view
   EXPECT_EQ(run({"--view", "--port", "70000"}).first, 2);

@@ -32,8 +32,12 @@ std::shared_ptr<FrameSnapshot> frame(int i) {
   snapshot->result.index = snapshot->frame.index = i;
   snapshot->result.timestamp = 0.1 * i;
   snapshot->result.localised = true;
-  snapshot->frame.colour = cv::Mat(480, 640, CV_8UC3);
-  cv::randu(snapshot->frame.colour, 0, 255);
+  static const cv::Mat noise = [] {
+    cv::Mat image(480, 640, CV_8UC3);
+    cv::randu(image, 0, 255);
+    return image;
+  }();
+  snapshot->frame.colour = noise;
   snapshot->frame.depth = cv::Mat::ones(480, 640, CV_32F);
   return snapshot;
 }

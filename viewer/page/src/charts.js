@@ -31,7 +31,7 @@ function chart(parent, series, height, unit) {
       scales: { x: { time: false }, y: { range: (_, __, most) => [0, Math.max(1, most * 1.1)] } },
       axes: [
         axis({ size: 24, values: (_, ticks) => ticks.map((t) => `${t} s`) }),
-        axis({ size: 36 }),
+        axis({ size: 46 }),
       ],
       series: [
         { label: 'time', value: (_, t) => (t == null ? '' : `${t.toFixed(1)} s`) },
