@@ -10,6 +10,15 @@ if [ "${1:-}" != "" ] && [ "$1" != "--check" ]; then
   echo "usage: scripts/build_page.sh [--check]" >&2
   exit 2
 fi
+node_major=$(node --version | sed 's/^v\([0-9]*\).*/\1/')
+if [ "$node_major" -lt 20 ]; then
+  if [ "${1:-}" = "--check" ]; then
+    echo "build_page.sh: skipped: vite needs node 20 or newer, this is $(node --version)"
+    exit
+  fi
+  echo "build_page.sh: vite needs node 20 or newer, this is $(node --version)" >&2
+  exit 1
+fi
 if [ ! -d node_modules/vite ]; then
   npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
 fi
