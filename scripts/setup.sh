@@ -51,7 +51,7 @@ for extra in "${extras[@]}"; do
     python)
       packages+=(pybind11-dev python3-dev python3-matplotlib python3-numpy python3-pip python3-pytest
                  python3-wheel) ;;
-    page-tests) packages+=(chromium npm) ;;
+    page-tests) packages+=(chromium) ;;
     *) echo "setup.sh: --with '$extra' is none of: python, page-tests" >&2; exit 2 ;;
   esac
 done
@@ -69,8 +69,11 @@ setup_packages() {
   for package in "${packages[@]}"; do
     installed "$package" || missing+=("$package")
   done
-  # npm fetches ONNX Runtime; one from elsewhere than Debian will do.
-  if [ "$use_onnxruntime" -eq 1 ] && ! command -v npm >/dev/null; then missing+=(npm); fi
+  # npm fetches ONNX Runtime and what drives the browser; one from elsewhere than Debian will do, and
+  # goes with no other.
+  if [[ $use_onnxruntime -eq 1 || " ${extras[*]} " == *" page-tests "* ]] && ! command -v npm >/dev/null; then
+    missing+=(npm)
+  fi
   if [ "${#missing[@]}" -eq 0 ]; then
     note "system packages: all there"
     return
