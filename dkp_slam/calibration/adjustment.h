@@ -7,12 +7,6 @@
 
 namespace dkp_slam {
 
-/// Standard deviations of what is measured, as they turn out.
-struct MeasuredNoise {
-  double pixel = 0.7;  ///< pixels, of a feature of the finest level
-  double depth = 1.0;  ///< of a patch's inverse depth, in those of one reading by the camera file
-};
-
 struct Adjustment {
   Parameters parameters = Parameters::Zero();
   /// Of the free ones; of the others the rows are zero.

@@ -42,4 +42,10 @@ std::vector<Window> make_windows(const std::vector<SightedFrame>& frames, const 
 /// How fast what is seen moves across the image: root mean square, pixels per second.
 double image_speed(const std::vector<Window>& windows, const Parameters& parameters);
 
+/// Standard deviations of what is measured, as they turn out.
+struct MeasuredNoise {
+  double pixel = 0.7;  ///< pixels, of a feature of the finest level
+  double depth = 1.0;  ///< of a patch's inverse depth, in those of one reading by the camera file
+};
+
 }  // namespace dkp_slam

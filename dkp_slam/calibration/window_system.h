@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "dkp_slam/calibration/adjustment.h"
+#include "dkp_slam/calibration/window.h"
 
 namespace dkp_slam {
 
