@@ -23,7 +23,7 @@ TEST(ScaledConfig, NothingChangesAtTheUsualSizeAndRate) {
   EXPECT_EQ(scaled.measurement.pixel_sigma, config.measurement.pixel_sigma);
   EXPECT_EQ(scaled.orb.levels, config.orb.levels);
   EXPECT_EQ(scaled.orb.enlargement, 1.0);
-  EXPECT_EQ(scaled.dynamics.surfaces.moving_short, config.dynamics.surfaces.moving_short);
+  EXPECT_EQ(scaled.dynamics.removal.residual, config.dynamics.removal.residual);
   EXPECT_EQ(scaled.refill.margin, config.refill.margin);
   EXPECT_EQ(scaled.dynamics.surfaces.moving_short, config.dynamics.surfaces.moving_short);
   EXPECT_EQ(scaled.dynamics.motion.min_lag_pixels, config.dynamics.motion.min_lag_pixels);

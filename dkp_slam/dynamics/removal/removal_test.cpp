@@ -117,6 +117,23 @@ TEST_F(Rules, WhatIsSeenToMoveIsMoreThanTheNoise) {
             (std::vector<bool>{false, false, true, true, true, true, true}));
 }
 
+TEST_F(Rules, OnlyInBoxesWhatMovesFromFrameToFrameGoesIfFlowCouldFollowIt) {
+  const auto kept = [&](float residual, bool tracked) {
+    for (FeatureDynamics& f : features_) {
+      f.tracked = tracked;
+      f.motion_residual = residual;
+    }
+    ResidualRule(strict()).classify({points_, objects_, labels_, motion_}, features_);
+    std::vector<bool> all;
+    for (const FeatureDynamics& f : features_) all.push_back(f.is_static);
+    return all;
+  };
+  const std::vector<bool> masks_alone{false, false, true, true, true, true, true};
+  EXPECT_EQ(kept(3.9F, true), masks_alone);
+  EXPECT_EQ(kept(4.1F, true), (std::vector<bool>{false, false, false, false, false, false, true}));
+  EXPECT_EQ(kept(20.0F, false), masks_alone);
+}
+
 TEST_F(Rules, WhatThePoseNeedsComesBackThatWhichMovesLeastFirst) {
   motion_.long_residual = {7.0F, 7.0F, 9.0F, 7.0F, 8.0F, 10.0F, 0.0F};
   RemovalOptions options;

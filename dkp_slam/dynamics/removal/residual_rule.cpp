@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "dkp_slam/dynamics/removal/region_rules.h"
 
@@ -22,7 +23,8 @@ float ResidualRule::motion(const FeatureDynamics& f, float long_residual, float 
 
 void ResidualRule::classify(const RemovalInput& input,
                             std::vector<FeatureDynamics>& features) const {
-  const cv::Mat masks = masks_and_outlines(masks_of_self_moving(input), options_.mask_margin);
+  cv::Mat masks = masks_of_self_moving(input);
+  if (!input.objects.empty()) masks = masks_and_outlines(masks, options_.mask_margin);
   const auto& camera_motion = input.motion.camera_motion;
   const float noise = camera_motion ? static_cast<float>(camera_motion->noise) : 0.0F;
   std::vector<std::pair<float, std::size_t>> moving;  // by how much they are seen to move
