@@ -14,8 +14,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "apps/commands.h"
+#include "apps/process.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/sensor/image_reader.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
@@ -80,7 +82,7 @@ double detect_one(Detector& detector, const fs::path& path, const cv::Mat& image
   const auto start = std::chrono::steady_clock::now();
   const std::vector<Detection> found = detector.detect(frame);
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
-  std::printf("%s: %zu %s, %.1f ms\n", path.c_str(), found.size(),
+  std::printf("%s: %zu %s, %.1f ms\n", one_line(path.string()).c_str(), found.size(),
               found.size() == 1 ? "object" : "objects", taken.count());
   for (const Detection& d : found) {
     std::printf("  %-14s score %.2f  weight %-4g x %.0f  y %.0f  width %.0f  height %.0f\n",
@@ -110,12 +112,12 @@ void detect(DetectOptions options) {
   std::vector<double> times;
   std::set<fs::path> taken;
   std::size_t failed = 0;
+  ImageReader reader;
   for (const fs::path& path : options.images) {
-    const bool exists = fs::exists(path);
-    const cv::Mat image = exists ? cv::imread(path.string(), cv::IMREAD_COLOR) : cv::Mat();
+    const auto [image, problem] = reader.read_colour(path.string());
     if (image.empty()) {
-      std::fprintf(stderr, "dkp-slam: cannot read '%s' as an image; %s\n", path.c_str(),
-                   exists ? "is it whole?" : "no such file");
+      std::fprintf(stderr, "dkp-slam: cannot read '%s': %s\n", one_line(path.string()).c_str(),
+                   problem.c_str());
       ++failed;
       continue;
     }

@@ -2,9 +2,6 @@
 #include <iostream>
 #include <sstream>
 
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
-#include <unistd.h>
 #include <CLI/CLI.hpp>
 
 #include "apps/commands.h"
@@ -22,11 +19,7 @@ constexpr int exit_interrupted = 130;
 
 int main(int argc, char** argv) {
   dkp_slam::apps::prepare_process();
-  // The standard output is for results; spdlog would log to it. On a terminal a message takes the
-  // place of the progress bar, which is drawn anew below it. No colours: those are written in
-  // pieces, and the bar could get between them.
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("dkp-slam"));
-  spdlog::set_pattern(isatty(STDERR_FILENO) ? "\r\033[Kdkp-slam: %l: %v" : "dkp-slam: %l: %v");
+  dkp_slam::apps::log_to_stderr();
   CLI::App program(
       "Visual SLAM for rooms with people in them: colour and depth images in, camera "
       "trajectory and a map of the static world out.",
@@ -54,7 +47,7 @@ int main(int argc, char** argv) {
     return code == 0 ? 0 : exit_usage;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "dkp-slam: %s\n",
-                 dkp_slam::apps::printable(dkp_slam::apps::message_of(error)).c_str());
+                 dkp_slam::apps::one_line(dkp_slam::apps::message_of(error)).c_str());
     return dkp_slam::apps::interrupted() ? exit_interrupted : exit_failure;
   }
   return 0;

@@ -10,6 +10,7 @@
 
 #include "apps/commands.h"
 #include "apps/map_report.h"
+#include "apps/process.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
@@ -36,7 +37,7 @@ void print(const std::string& text) {
 
 void show(const MapArguments& arguments) {
   const StoredMap stored = read_map(arguments.file);
-  print(arguments.json ? json_text(map_json(stored)) + "\n" : map_text(stored));
+  print(arguments.json ? json_text(map_json(stored)) + "\n" : printable(map_text(stored)));
 }
 
 void export_files(const MapArguments& arguments) {
@@ -78,7 +79,7 @@ void merge(const MapArguments& arguments) {
   Map both(merged(parts_of(a.map), parts_of(b.map)));
   const std::vector<JoinedMaps> joined = join_what_meets(both);
   save_map(arguments.out, both);
-  print(map_text(read_map(arguments.out)));
+  print(printable(map_text(read_map(arguments.out))));
   for (const JoinedMaps& j : joined) {
     print(fmt::format("maps {} and {} show the same place ({} keyframes agree): joined in map {}\n",
                       j.kept, j.moved, j.keyframes, j.kept));

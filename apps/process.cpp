@@ -1,16 +1,51 @@
 #include "apps/process.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
+#include <mutex>
 #include <new>
 
 #include <fcntl.h>
+#include <glog/logging.h>
+#include <spdlog/sinks/base_sink.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
 
 namespace dkp_slam::apps {
+namespace {
+
+/// One line of stderr for each message.
+class StderrSink : public spdlog::sinks::base_sink<std::mutex> {
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    const std::string text = one_line(std::string(message.payload.data(), message.payload.size()));
+    spdlog::details::log_msg shown = message;
+    shown.payload = text;
+    spdlog::memory_buf_t line;
+    formatter_->format(shown, line);
+    std::fwrite(line.data(), 1, line.size(), stderr);
+  }
+  void flush_() override { std::fflush(stderr); }
+};
+
+/// Shows as '?' what a terminal takes for a command: control characters, and those of 8 bits as
+/// UTF-8 writes them (C2 80 to C2 9F).
+void hide_controls(std::string& text, bool line_breaks) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if ((byte < ' ' && (line_breaks || byte != '\n')) || byte == 0x7F) text[i] = '?';
+    if (byte != 0xC2 || i + 1 == text.size()) continue;
+    const auto next = static_cast<unsigned char>(text[i + 1]);
+    if (next >= 0x80 && next <= 0x9F) text.replace(i, 2, "?");
+  }
+}
+
+}  // namespace
 
 void prepare_process() {
   for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor) {
@@ -18,6 +53,10 @@ void prepare_process() {
     // open takes the lowest free number, which is this one: those below are open by now.
     if (closed && open("/dev/null", O_RDWR) != descriptor) return;
   }
+  // What Ceres' and OpenCV's numerics say of a problem that cannot be solved or an image that is
+  // damaged tells a user nothing: what follows from it is said by us.
+  FLAGS_minloglevel = google::GLOG_FATAL;
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
 }
@@ -35,9 +74,21 @@ std::string message_of(const std::exception& error) {
 }
 
 std::string printable(std::string text) {
-  const auto control = [](unsigned char c) { return (c < ' ' && c != '\n') || c == 0x7F; };
-  std::replace_if(text.begin(), text.end(), control, '?');
+  hide_controls(text, false);
   return text;
+}
+
+std::string one_line(std::string text) {
+  hide_controls(text, true);
+  return text;
+}
+
+void log_to_stderr() {
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("dkp-slam", std::make_shared<StderrSink>()));
+  // On a terminal a message takes the place of the progress bar, which is drawn anew below it. No
+  // colours: those are written in pieces, and the bar could get between them.
+  spdlog::set_pattern(isatty(STDERR_FILENO) ? "\r\033[Kdkp-slam: %l: %v" : "dkp-slam: %l: %v");
 }
 
 }  // namespace dkp_slam::apps

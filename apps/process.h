@@ -16,5 +16,10 @@ std::string message_of(const std::exception& error);
 /// `text` with control characters but the line break shown as '?': file names and values of inputs
 /// stand in messages, and a terminal obeys what they hold.
 std::string printable(std::string text);
+/// The same with line breaks shown as '?', too.
+std::string one_line(std::string text);
+
+/// Messages of the program and its libraries go to stderr in this form, whatever names they hold.
+void log_to_stderr();
 
 }  // namespace dkp_slam::apps

@@ -134,6 +134,22 @@ TEST_F(OddStart, ATerminalObeysNoFileName) {
   }
 }
 
+TEST_F(OddStart, ATerminalObeysNoWarning) {
+  const WallSequence sequence(folder_ / "sequence", frame_count);
+  const fs::path err = folder_ / "err";
+  // Colours, by the escape character and by its sibling of eight bits.
+  std::ofstream(sequence.folder() / "rgb.txt", std::ios::app)
+      << "20.0 rgb/\x1B[31mx.png\n20.1 rgb/\xC2\x9B"
+         "31mx.png\n";
+  std::ofstream(sequence.folder() / "depth.txt", std::ios::app)
+      << "20.0 depth/x.png\n20.1 depth/x.png\n";
+  EXPECT_EQ(bash(run_text(sequence.folder(), fmt::format("2>'{}'", err.string()))), 0);
+  const std::string said = content(err);
+  EXPECT_THAT(said, HasSubstr("rgb/?[31mx.png"));
+  EXPECT_THAT(said, Not(HasSubstr("\x1B")));
+  EXPECT_THAT(said, Not(HasSubstr("\xC2\x9B")));
+}
+
 TEST_F(OddStart, ATerminalThatGoesAwayLeavesWhatThereIs) {
   const WallSequence sequence(folder_ / "sequence", frame_count);
   sequence.prolong([](int) { return frame_count - 1; });

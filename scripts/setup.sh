@@ -9,6 +9,7 @@ usage: scripts/setup.sh [--checks] [--with NAME,...] [--no-apt] [--no-onnxruntim
 
   --checks           also what scripts/check.sh needs: clang-format, clang-tidy, shellcheck
   --with NAME,...    also what only some users need:
+                       fuzz: clang with libFuzzer, for scripts/fuzz.sh
                        python: for the Python module, its tests and its wheel
                        page-tests: a browser and what drives it, for the tests of the live view's page
   --no-apt           leave system packages alone (they are there, or another tool manages them)
@@ -48,11 +49,12 @@ packages=(
 if [ "$with_checks" -eq 1 ]; then packages+=(clang-format clang-tidy shellcheck); fi
 for extra in "${extras[@]}"; do
   case "$extra" in
+    fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;
     python)
       packages+=(pybind11-dev python3-dev python3-matplotlib python3-numpy python3-pip python3-pytest
                  python3-wheel) ;;
     page-tests) packages+=(chromium) ;;
-    *) echo "setup.sh: --with '$extra' is none of: python, page-tests" >&2; exit 2 ;;
+    *) echo "setup.sh: --with '$extra' is none of: fuzz, python, page-tests" >&2; exit 2 ;;
   esac
 done
 

@@ -14,14 +14,17 @@
 namespace dkp_slam::viewer {
 namespace {
 
+// A zero byte ends the text for inet_pton and not for those who compare it.
+bool holds_zero(const std::string& text) { return text.find('\0') != std::string::npos; }
+
 bool is_v4(const std::string& text) {
   in_addr address{};
-  return inet_pton(AF_INET, text.c_str(), &address) == 1;
+  return !holds_zero(text) && inet_pton(AF_INET, text.c_str(), &address) == 1;
 }
 
 bool is_v6(const std::string& text) {
   in6_addr address{};
-  return inet_pton(AF_INET6, text.c_str(), &address) == 1;
+  return !holds_zero(text) && inet_pton(AF_INET6, text.c_str(), &address) == 1;
 }
 
 bool is_wildcard(const std::string& address) { return address == "0.0.0.0" || address == "::"; }

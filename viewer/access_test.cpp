@@ -78,6 +78,7 @@ TEST(Access, AddressesAreToldFromNames) {
   EXPECT_TRUE(is_address("::"));
   EXPECT_FALSE(is_address("localhost"));
   EXPECT_FALSE(is_address("1.2.3"));
+  EXPECT_FALSE(is_address(std::string("1.2.3.4\0.example", 16)));
   EXPECT_TRUE(is_loopback("127.0.0.1"));
   EXPECT_TRUE(is_loopback("127.1.2.3"));
   EXPECT_TRUE(is_loopback("::1"));

@@ -7,6 +7,7 @@
 
 #include "dkp_slam/detection/detector.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/input_file.h"
 
 namespace dkp_slam {
 namespace {
@@ -65,11 +66,12 @@ ClassTable::ClassTable() {
 }
 
 ClassTable ClassTable::load(const std::filesystem::path& file) {
+  constexpr std::uintmax_t most_bytes = 1'000'000;
+  std::ifstream stream =
+      open_text(file, most_bytes, "cannot read the class weights", "check the path");
   YAML::Node root;
   try {
-    root = YAML::LoadFile(file.string());
-  } catch (const YAML::BadFile&) {
-    throw Error("cannot read the class weights '" + file.string() + "'; check the path");
+    root = YAML::Load(stream);
   } catch (const YAML::ParserException& error) {
     fail(file, error.mark, "not YAML: " + error.msg);
   }

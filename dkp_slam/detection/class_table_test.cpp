@@ -79,6 +79,10 @@ TEST(ClassTable, BadFilesAreRefusedWithTheirLine) {
   EXPECT_THAT(load("weights: [1, 2\n"), ThrowsMessage<Error>(HasSubstr("not YAML")));
   EXPECT_THAT([] { ClassTable::load("no/such/file.yaml"); },
               ThrowsMessage<Error>(HasSubstr("cannot read the class weights")));
+  EXPECT_THAT([] { ClassTable::load(::testing::TempDir()); },
+              ThrowsMessage<Error>(HasSubstr("it is a folder")));
+  EXPECT_THAT([] { ClassTable::load("/dev/zero"); },
+              ThrowsMessage<Error>(HasSubstr("a pipe or a device")));
 }
 
 }  // namespace

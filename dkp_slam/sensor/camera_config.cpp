@@ -12,6 +12,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/input_file.h"
 
 namespace dkp_slam {
 namespace {
@@ -100,13 +101,11 @@ Distortion read_distortion(const Fields& fields) {
 }
 
 YAML::Node parse_file(const std::string& path) {
-  if (std::filesystem::is_directory(path)) {
-    throw Error(path + ": is a folder; give the camera's YAML file");
-  }
+  constexpr std::uintmax_t most_bytes = 1'000'000;
+  std::ifstream stream =
+      open_text(path, most_bytes, "cannot read the camera file", "give the camera's YAML file");
   try {
-    return YAML::LoadFile(path);
-  } catch (const YAML::BadFile&) {
-    throw Error(path + ": cannot read the camera file; check the path");
+    return YAML::Load(stream);
   } catch (const YAML::Exception& error) {
     throw Error(fmt::format("{}:{}: not valid YAML: {}", path, error.mark.line + 1, error.msg));
   }

@@ -60,15 +60,18 @@ std::uint64_t stated_pixels(const std::vector<std::uint8_t>& file) {
   return 0;
 }
 
+bool is_jpeg(const std::vector<std::uint8_t>& file) {
+  constexpr std::uint8_t start[] = {0xFF, 0xD8, 0xFF};
+  return file.size() >= sizeof(start) && std::equal(start, start + 3, file.begin());
+}
+
 /// OpenCV fills up what is missing of a JPEG file with grey and calls it read. A whole one ends
 /// with the marker FF D9; some cameras append a few bytes.
-bool is_truncated_jpeg(const std::vector<std::uint8_t>& file) {
-  constexpr std::uint8_t start[] = {0xFF, 0xD8, 0xFF};
+bool is_truncated(const std::vector<std::uint8_t>& jpeg) {
   constexpr std::uint8_t end[] = {0xFF, 0xD9};
   constexpr std::ptrdiff_t tail = 1024;
-  if (file.size() < sizeof(start) || !std::equal(start, start + 3, file.begin())) return false;
-  const auto from = file.end() - std::min(tail, std::ssize(file));
-  return std::search(from, file.end(), end, end + 2) == file.end();
+  const auto from = jpeg.end() - std::min(tail, std::ssize(jpeg));
+  return std::search(from, jpeg.end(), end, end + 2) == jpeg.end();
 }
 
 /// Why a file is no PNG of 8-bit grey values, by its first bytes; empty when it is one.
@@ -102,7 +105,10 @@ ImageRead ImageReader::decode(int opencv_flags) {
     case PngDecoder::Status::unsupported:
       break;
   }
-  if (is_truncated_jpeg(file_)) return {{}, "truncated JPEG"};
+  // OpenCV knows many more kinds, but decodes them with code that few have looked at.
+  const bool jpeg = is_jpeg(file_);
+  if (!jpeg && !png::has_signature(file_)) return {{}, "not a PNG or JPEG file"};
+  if (jpeg && is_truncated(file_)) return {{}, "truncated JPEG"};
   try {
     result.image = cv::imdecode(file_, opencv_flags);
   } catch (const cv::Exception& error) {

@@ -16,8 +16,8 @@ struct ImageRead {
   std::string problem;
 };
 
-/// Reads image files: PNG by `PngDecoder`, everything else by OpenCV. Never throws on bad files.
-/// One object per thread.
+/// Reads PNG and JPEG files: PNG by `PngDecoder`, what that leaves by OpenCV. Never throws on bad
+/// files. One object per thread.
 class ImageReader {
  public:
   static constexpr std::uint64_t usual_most_pixels = 64'000'000;

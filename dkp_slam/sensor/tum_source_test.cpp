@@ -212,6 +212,20 @@ TEST(ImageReader, DecodesNoImageLargerThanItsLimit) {
   fs::remove_all(folder);
 }
 
+TEST(ImageReader, TakesNothingButPngAndJpeg) {
+  const fs::path folder = fs::path(::testing::TempDir()) / "image_reader_kinds";
+  fs::create_directories(folder);
+  const cv::Mat image(20, 30, CV_8UC3, cv::Scalar(1, 2, 3));
+  for (const char* name : {"image.tiff", "image.bmp", "image.ppm", "image.webp"}) {
+    const std::string path = folder / name;
+    ASSERT_TRUE(cv::imwrite(path, image)) << name;
+    const ImageRead refused = ImageReader().read_colour(path);
+    EXPECT_TRUE(refused.image.empty()) << name;
+    EXPECT_EQ(refused.problem, "not a PNG or JPEG file") << name;
+  }
+  fs::remove_all(folder);
+}
+
 TEST_F(TumSourceTest, SkipsTruncatedJpeg) {
   for (int i = 0; i < 10; ++i) {
     const std::string path = folder_ / "rgb" / (std::to_string(i) + ".jpg");

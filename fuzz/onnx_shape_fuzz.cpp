@@ -1,0 +1,30 @@
+// Files of networks, as far as they are read here.
+#include "dkp_slam/detection/yolox/onnx_input_shape.h"
+#include "dkp_slam/detection/yolox/tiny_onnx.h"
+#include "dkp_slam/detection/yolox/yolox_decode.h"
+#include "fuzz/target.h"
+
+namespace dkp_slam::fuzz {
+namespace {
+
+void run(Bytes bytes) {
+  const std::vector<std::int64_t> shape = onnx_input_shape(text_of(bytes));
+  std::vector<std::int64_t> output{1, 21, yolox::row_length};
+  takes([&] {
+    const cv::Size size = yolox::check_shapes("model.onnx", shape, output);
+    require(yolox::row_count(size) == output[1], "a size that does not belong to the output");
+  });
+}
+
+std::vector<std::string> seeds() {
+  using namespace tiny_onnx;
+  const std::string graph = node("Identity", {"in"}, "out") + bytes(2, "g") +
+                            bytes(11, value_info("in", {1, 3, 32, 32})) +
+                            bytes(12, value_info("out", {1, 21, 85}));
+  return {number(1, 4) + bytes(7, graph) + bytes(8, number(2, 9))};
+}
+
+const Registration registration({"onnx_shape", run, seeds});
+
+}  // namespace
+}  // namespace dkp_slam::fuzz

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# Builds libFuzzer's targets (fuzz/, clang, AddressSanitizer, UndefinedBehaviorSanitizer) and runs
+# them, on as many cores as there are.
+#   scripts/fuzz.sh TIME [TARGET...]   TIME for each: 20 or 20s, 5m, 4h; all targets or those named
+# What they learn stays in build/fuzz/corpus; an input that breaks something goes to
+# build/fuzz/found/TARGET, its report beside it, and ends with exit code 1. Copied into
+# fuzz/found/TARGET it is a regression test (fuzz_test).
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+usage() { sed -n '2,8s/^# \?//p' "scripts/fuzz.sh" >&2; exit 2; }
+[ $# -ge 1 ] || usage
+[[ $1 =~ ^([0-9]+)([smh]?)$ ]] || usage
+seconds=${BASH_REMATCH[1]}
+case "${BASH_REMATCH[2]}" in m) seconds=$((seconds * 60)) ;; h) seconds=$((seconds * 3600)) ;; esac
+shift
+
+if ! command -v clang++-14 >/dev/null; then
+  echo "fuzz.sh: clang 14 is missing; scripts/setup.sh --with fuzz installs it" >&2
+  exit 1
+fi
+cmake --preset fuzz >/dev/null
+cmake --build --preset fuzz >build/fuzz/build.log || { cat build/fuzz/build.log >&2; exit 1; }
+
+programs=build/fuzz/fuzz
+if [ $# -gt 0 ]; then
+  targets=("$@")
+  for target in "${targets[@]}"; do
+    if [ ! -x "$programs/fuzz_$target" ]; then
+      echo "fuzz.sh: no target '$target'; there are:" "$(cd "$programs" && echo fuzz_* | sed 's/fuzz_//g')" >&2
+      exit 2
+    fi
+  done
+else
+  mapfile -t targets < <(cd "$programs" && printf '%s\n' fuzz_* | sed 's/^fuzz_//')
+fi
+
+run_target() {
+  local target=$1 corpus=build/fuzz/corpus/$1 found=build/fuzz/found/$1
+  mkdir -p "$corpus" "$found"
+  "build/fuzz/fuzz/fuzz_$target" --seeds "$corpus"
+  local known=()
+  if [ -d "fuzz/found/$target" ]; then known=("fuzz/found/$target"); fi
+  local code=0
+  # What other libraries say of broken files is of no interest; the report goes elsewhere.
+  UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=cmake/lsan.supp:print_suppressions=0 \
+    "build/fuzz/fuzz/fuzz_$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=3000 \
+    -close_fd_mask=3 -print_final_stats=1 -artifact_prefix="$found/" \
+    "$corpus" "${known[@]}" >"$found/report.log" 2>&1 || code=$?
+  printf '%-14s %12s executions%s\n' "$target" \
+    "$(sed -n 's/^stat::number_of_executed_units: *//p' "$found/report.log")" \
+    "$([ "$code" -eq 0 ] || echo "   FOUND SOMETHING: $found")"
+  return "$code"
+}
+export -f run_target
+export seconds
+# xargs ends with 123 when any of them found something.
+printf '%s\n' "${targets[@]}" | xargs -P "${FUZZ_JOBS:-$(nproc)}" -I{} bash -c 'run_target {}' || exit 1
