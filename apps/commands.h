@@ -14,6 +14,7 @@ void add_bench_command(CLI::App& program);
 void add_demo_command(CLI::App& program);
 void add_view_command(CLI::App& program);
 void add_map_command(CLI::App& program);
+void add_export_command(CLI::App& program);
 void add_record_command(CLI::App& program);
 void add_stream_command(CLI::App& program);
 void add_calibrate_command(CLI::App& program);

@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   dkp_slam::apps::add_demo_command(program);
   dkp_slam::apps::add_view_command(program);
   dkp_slam::apps::add_map_command(program);
+  dkp_slam::apps::add_export_command(program);
   dkp_slam::apps::add_record_command(program);
   dkp_slam::apps::add_stream_command(program);
   dkp_slam::apps::add_calibrate_command(program);

@@ -18,6 +18,7 @@
 #include "apps/process.h"
 #include "apps/progress.h"
 #include "apps/run_map.h"
+#include "apps/run_masks.h"
 #include "apps/run_options.h"
 #include "apps/run_overlay.h"
 #include "apps/run_report.h"
@@ -112,12 +113,14 @@ struct RunObservers {
   std::shared_ptr<RunMap> map;
   std::shared_ptr<DetectionLog> detections;
   std::shared_ptr<OverlayWriter> overlay;  // null without pictures
+  std::shared_ptr<MaskWriter> masks;       // null unless they are kept
   std::shared_ptr<LivePath> path;
 
   void join(Slam& slam, bool with_map) const {
     const ObserverOptions every{Delivery::every};
     slam.add_observer(detections, every);
     if (overlay) slam.add_observer(overlay, every);
+    if (masks) slam.add_observer(masks, every);
     slam.add_observer(path, {Delivery::newest});
     if (with_map) slam.add_observer(map, {.map = true});
   }
@@ -125,6 +128,7 @@ struct RunObservers {
     map->rethrow_failure();
     detections->rethrow_failure();
     if (overlay) overlay->rethrow_failure();
+    if (masks) masks->rethrow_failure();
   }
 };
 
@@ -272,6 +276,7 @@ void run(RunOptions options) {
   if (options.overlay) {
     observers.overlay = std::make_shared<OverlayWriter>(options.out, options.overlay_every);
   }
+  if (options.save_masks) observers.masks = std::make_shared<MaskWriter>(options.out);
 
   RunLog log(options.out);
   observers.detections = std::make_shared<DetectionLog>(log);
@@ -406,6 +411,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       .add_option("--localize", options.localize,
                   "Map file: only find the camera in it, and leave it as it is")
       ->excludes(map);
+  command.add_flag("--save-masks", options.save_masks,
+                   "Keep the mask of every frame in OUT/masks, for `export --dense`");
   auto* overlay = command.add_flag("--overlay", options.overlay,
                                    "Pictures of boxes, masks and features in OUT/overlay");
   command.add_option("--overlay-every", options.overlay_every, "Frames from picture to picture")

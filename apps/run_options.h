@@ -24,6 +24,7 @@ struct RunOptions {
   double reconnect = 30.0;     ///< seconds that a socket waits for a driver to come back
   bool one_at_a_time = false;
   bool overlay = false;
+  bool save_masks = false;
   int overlay_every = 30;  ///< frames; one picture a second
   ViewOptions view;
 };

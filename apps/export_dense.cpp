@@ -1,0 +1,296 @@
+#include "apps/export_dense.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/camera_choice.h"
+#include "apps/progress.h"
+#include "apps/run_masks.h"
+#include "dkp_slam/dense/mesh_files.h"
+#include "dkp_slam/dense/octomap/octomap_file.h"
+#include "dkp_slam/error.h"
+#include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/sensor/mask_folder.h"
+#include "dkp_slam/sensor/tum_source.h"
+
+namespace dkp_slam::apps {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double same_time = 2e-6;  // seconds: trajectories have microseconds
+/// Seconds between poses of which a velocity is told.
+constexpr double longest_step = 0.2;
+
+/// A frame at a pose that is known.
+using UseView = std::function<void(const DepthView&)>;
+
+/// Camera and images of a sequence.
+struct Images {
+  std::string folder, camera_file;
+  Camera camera;
+  fs::path masks;  ///< empty: all pixels are static
+  bool masks_by_time = false;
+};
+
+/// What a run's summary.json says of its input, null where it says nothing.
+nlohmann::json options_of_run(const fs::path& run) {
+  if (run.empty()) return {};
+  std::ifstream file(run / "summary.json");
+  const auto json = nlohmann::json::parse(file, nullptr, false);
+  return json.is_object() && json.contains("options") ? json.at("options") : nlohmann::json();
+}
+
+std::string text_of(const nlohmann::json& options, const char* key) {
+  return options.is_object() && options.contains(key) && options.at(key).is_string()
+             ? options.at(key).get<std::string>()
+             : "";
+}
+
+/// The masks of the run, or what the user gave. Nobody is to fuse people without saying so.
+void choose_masks(const DenseExport& dense, const fs::path& run, Images& images) {
+  if (dense.no_masks) return;
+  images.masks = dense.masks;
+  if (!images.masks.empty()) return;
+  images.masks = run / masks_folder;
+  images.masks_by_time = true;
+  if (!run.empty() && fs::is_directory(images.masks)) return;
+  throw Error(fmt::format(
+      "{}: no masks of what moves; run again with --save-masks, give --masks DIR, or --no-masks to "
+      "fuse everything, people too",
+      run.empty() ? "the trajectory" : images.masks.string()));
+}
+
+Images choose_images(const DenseExport& dense, const fs::path& run) {
+  const nlohmann::json options = options_of_run(run);
+  Images images;
+  images.folder = dense.sequence.empty() ? text_of(options, "sequence") : dense.sequence.string();
+  if (images.folder.empty()) {
+    throw Error("the dense map needs the images: give the folder of the sequence with --sequence");
+  }
+  if (!fs::is_directory(images.folder)) {
+    throw Error(images.folder + ": no such folder; give that of the sequence with --sequence");
+  }
+  std::string camera = dense.camera;
+  if (camera.empty() && dense.sequence.empty()) camera = text_of(options, "camera");
+  images.camera_file = choose_camera(images.folder, camera);
+  images.camera = load_camera(images.camera_file);
+  choose_masks(dense, run, images);
+  return images;
+}
+
+/// Tangent per second of the camera's motion around a pose of the path.
+Vector6d velocity_at(const Trajectory& path, std::size_t i) {
+  const std::size_t a = i > 0 ? i - 1 : i, b = std::min(i + 1, path.size() - 1);
+  const double time = path[b].timestamp - path[a].timestamp;
+  if (!(time > 0.0) || time > 2.0 * longest_step) return Vector6d::Zero();
+  return (path[a].world_from_camera.inverse() * path[b].world_from_camera).log() / time;
+}
+
+/// Plays the images of a sequence at their poses, as often as it is asked.
+class PosedImages {
+ public:
+  PosedImages(const DenseExport& dense, Images images, const Trajectory& path)
+      : images_(std::move(images)),
+        path_(path),
+        every_(static_cast<std::size_t>(dense.every)),
+        viewer_(images_.camera, dense.view) {}
+
+  /// Views that were used.
+  std::size_t play(const std::string& label, const UseView& use) {
+    TumOptions options;
+    options.depth = load_depth_correction(images_.camera_file);
+    if (!images_.masks_by_time) options.masks = images_.masks;
+    const auto source = open_tum_folder(images_.folder, images_.camera, options);
+    const std::unique_ptr<MaskFolder> masks = open_masks();
+    Progress progress(label, source->size());
+    std::size_t used = 0, posed = 0, unmasked = 0;
+    while (auto frame = source->read()) {
+      if (interrupted()) throw Error("interrupted; nothing was written");
+      progress.update(static_cast<std::size_t>(frame->index) + 1);
+      const auto pose = pose_at(frame->timestamp);
+      if (!pose || posed++ % every_ != 0) continue;
+      if (masks) frame->mask = masks->read(mask_name(frame->timestamp), frame->colour.size());
+      if (!images_.masks.empty() && frame->mask.empty()) {
+        ++unmasked;
+        continue;
+      }
+      const Vector6d velocity = velocity_at(path_, *pose);
+      // Depth was taken a little before or after colour.
+      const Se3 moved = Se3::exp(velocity * frame->depth_delay);
+      use(viewer_.view(*frame, path_[*pose].world_from_camera * moved, velocity));
+      ++used;
+    }
+    check(used, posed, unmasked);
+    unmasked_ = unmasked;
+    return used;
+  }
+
+  const Images& images() const { return images_; }
+  std::size_t unmasked() const { return unmasked_; }
+
+ private:
+  /// Null for those that come with the images.
+  std::unique_ptr<MaskFolder> open_masks() const {
+    if (!images_.masks_by_time) return nullptr;
+    std::vector<std::string> names;
+    for (const StampedPose& pose : path_) names.push_back(mask_name(pose.timestamp));
+    return std::make_unique<MaskFolder>(images_.masks, names);
+  }
+
+  std::optional<std::size_t> pose_at(double time) const {
+    const auto found =
+        std::lower_bound(path_.begin(), path_.end(), time - same_time,
+                         [](const StampedPose& pose, double t) { return pose.timestamp < t; });
+    if (found == path_.end() || found->timestamp > time + same_time) return std::nullopt;
+    return static_cast<std::size_t>(found - path_.begin());
+  }
+
+  void check(std::size_t used, std::size_t posed, std::size_t unmasked) const {
+    if (used > 0) return;
+    if (posed == 0) {
+      throw Error(images_.folder +
+                  ": none of its images has the time stamp of a pose; is it the sequence of this "
+                  "run?");
+    }
+    throw Error(fmt::format("{}: holds no mask for any of {} images that have a pose",
+                            images_.masks.string(), unmasked));
+  }
+
+  Images images_;
+  const Trajectory& path_;
+  std::size_t every_;
+  DepthViewer viewer_;
+  std::size_t unmasked_ = 0;
+};
+
+void warn_of_memory(const DenseMap& map, const FreeSpace* free) {
+  if (map.full() || (free && free->full())) {
+    spdlog::warn(
+        "the memory of {:.0f} MB is used up: a part of the static world is missing; take larger "
+        "voxels (--voxel), a shorter --range, or more --memory",
+        map.options().memory);
+  }
+}
+
+void write_files(const DenseExport& dense, const SurfaceMesh& mesh, const FreeSpace* free,
+                 const Trajectory& path) {
+  if (!dense.cloud.empty()) write_mesh_ply(dense.cloud, mesh, false);
+  if (!dense.mesh.empty()) {
+    if (dense.mesh.extension() == ".glb") {
+      write_mesh_glb(dense.mesh, mesh);
+    } else {
+      write_mesh_ply(dense.mesh, mesh, true);
+    }
+  }
+  if (!dense.grid.empty()) {
+    const LevelFrame level = find_level(mesh, path);
+    if (!level.found) {
+      spdlog::warn("no floor was seen: the grid's 0 is the lowest surface, its up the camera's");
+    }
+    write_grid(dense.grid, make_grid(mesh, *free, level, dense.band));
+  }
+  if (!dense.octomap.empty()) write_octomap(dense.octomap, mesh, *free);
+}
+
+}  // namespace
+
+void DenseExport::check_files() const {
+  const auto check = [](const fs::path& file, const char* option,
+                        const std::vector<std::string>& endings) {
+    if (file.empty()) return;
+    if (std::find(endings.begin(), endings.end(), file.extension()) == endings.end()) {
+      throw CLI::ValidationError(
+          option, fmt::format("{}: must end in {}", file.string(), fmt::join(endings, " or ")));
+    }
+    check_writable(file);
+  };
+  check(cloud, "--dense", {".ply"});
+  check(mesh, "--mesh", {".ply", ".glb"});
+  check(grid, "--grid", {".pgm"});
+  check(octomap, "--octomap", {".bt"});
+  if (!octomap.empty()) check_octomap();
+}
+
+void export_dense(const DenseExport& dense, const fs::path& run, const Trajectory& path) {
+  catch_interrupts();
+  PosedImages images(dense, choose_images(dense, run), path);
+  const Camera& camera = images.images().camera;
+  DenseMap map(camera, dense.map);
+  std::unique_ptr<FreeSpace> free;
+  if (!dense.grid.empty() || !dense.octomap.empty()) {
+    constexpr double share_of_free = 0.25;
+    free = std::make_unique<FreeSpace>(camera, dense.band.cell, share_of_free * dense.map.memory);
+  }
+  images.play("export: room", [&](const DepthView& view) { map.reserve(view); });
+  const std::size_t used = images.play("export: fuse", [&](const DepthView& view) {
+    map.fuse(view);
+    if (free) free->add(view, map.options().truncation);
+  });
+  warn_of_memory(map, free.get());
+  if (images.unmasked() > 0) {
+    spdlog::warn("{} images without a mask were left out", images.unmasked());
+  }
+  const SurfaceMesh mesh = extract_surface(map, dense.surface);
+  write_files(dense, mesh, free.get(), path);
+  std::fputs(
+      fmt::format("{} images fused at {:g} m: {} points, {} triangles; {:.0f} MB\n", used,
+                  dense.map.voxel, mesh.vertices.size(), mesh.triangles.size(), map.megabytes())
+          .c_str(),
+      stdout);
+}
+
+void add_dense_options(CLI::App& command, DenseExport& dense) {
+  const std::string group = "Static world";
+  const auto add = [&](const std::string& name, auto& variable, const std::string& help) {
+    return command.add_option(name, variable, help)->group(group);
+  };
+  add("--dense", dense.cloud, "File for a coloured point cloud, a point a voxel (.ply)");
+  add("--mesh", dense.mesh, "File for a coloured mesh (.ply or .glb)");
+  add("--grid", dense.grid,
+      "File for a 2-D occupancy grid (.pgm; its .yaml comes beside it, for ROS's map_server)");
+  add("--octomap", dense.octomap, "File for an OctoMap octree (.bt)");
+  add("--sequence", dense.sequence,
+      "Folder of the images; default: the one that the run was made of");
+  add("--camera", dense.camera, "Camera file, or fr1, fr2, fr3, bonn; default: as for the run");
+  auto* masks = add("--masks", dense.masks,
+                    "Folder of masks, for each colour image a PNG of its name, 0 on what is "
+                    "static; default: those that `run --save-masks` kept");
+  command.add_flag("--no-masks", dense.no_masks, "Fuse all pixels, people too")
+      ->group(group)
+      ->excludes(masks);
+  add("--voxel", dense.map.voxel, "Metres from sample to sample")
+      ->check(CLI::Range(0.005, 0.2))
+      ->capture_default_str();
+  add("--range", dense.view.max_range, "Metres; what is farther is left out")
+      ->check(CLI::Range(0.5, 100.0))
+      ->capture_default_str();
+  add("--every", dense.every, "Fuse every so many localised frames")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  add("--memory", dense.map.memory, "Megabytes of voxels at most")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
+  add("--cell", dense.band.cell, "Metres, of grid and octree")
+      ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str();
+  add("--low", dense.band.low, "Of the grid: metres above the floor where its band begins")
+      ->check(CLI::Range(-100.0, 100.0))
+      ->capture_default_str();
+  add("--high", dense.band.high, "Of the grid: where it ends")
+      ->check(CLI::Range(-100.0, 100.0))
+      ->capture_default_str();
+}
+
+}  // namespace dkp_slam::apps

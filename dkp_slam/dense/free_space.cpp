@@ -1,0 +1,65 @@
+#include "dkp_slam/dense/free_space.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "dkp_slam/error.h"
+
+namespace dkp_slam {
+namespace {
+
+constexpr double dense_until = 4.0;  // metres: as far as rays lie no farther apart than cells
+
+std::size_t most_blocks(double megabytes) {
+  constexpr double bytes = 3.0 * BlockGrid<std::uint8_t>::cells + 160.0;  // of both grids
+  return static_cast<std::size_t>(std::max(1.0, megabytes * 1e6 / bytes));
+}
+
+}  // namespace
+
+FreeSpace::FreeSpace(const Camera& camera, double cell, double memory)
+    : camera_(camera), cell_(cell), grid_(most_blocks(memory)), last_view_(most_blocks(memory)) {
+  if (!(cell >= 0.01 && cell <= 1.0)) {
+    throw Error(fmt::format("free space: a cell of {} m is not between 0.01 and 1 m", cell));
+  }
+}
+
+void FreeSpace::add(const DepthView& view, double margin) {
+  if (++view_ == 0) ++view_;  // 0 is no view
+  const int step = std::max(1, static_cast<int>(camera_.fx * cell_ / dense_until));
+  const Eigen::Matrix3d rotation = view.world_from_camera.rotation.toRotationMatrix();
+  const Eigen::Vector3d& origin = view.world_from_camera.translation;
+  for (int v = step / 2; v < view.nearest.rows; v += step) {
+    const auto* row = view.nearest.ptr<float>(v);
+    for (int u = step / 2; u < view.nearest.cols; u += step) {
+      if (row[u] <= 0.0F) continue;
+      const double free = row[u] - margin;
+      if (free <= camera_.min_depth) continue;
+      const Eigen::Vector3d ray = rotation * camera_.unproject({double(u), double(v)}, 1.0);
+      mark(origin + camera_.min_depth * ray, origin + free * ray);
+    }
+  }
+}
+
+void FreeSpace::mark(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const int steps = std::max(1, static_cast<int>(std::ceil((to - from).norm() / cell_)));
+  const Eigen::Vector3d step = (to - from) / steps;
+  for (int i = 0; i <= steps; ++i) {
+    const Eigen::Vector3i cell = cell_of(from + double(i) * step);
+    const Eigen::Vector3i block = Cells::block_of(cell);
+    if (!grid_.add(block) || !last_view_.add(block)) {
+      full_ = true;
+      continue;
+    }
+    const std::size_t index = Cells::index_in_block(cell);
+    std::uint16_t& last = (*last_view_.find(block))[index];
+    if (last == view_) continue;
+    last = view_;
+    std::uint8_t& seen = (*grid_.find(block))[index];
+    if (seen < UINT8_MAX) ++seen;
+  }
+}
+
+}  // namespace dkp_slam
