@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <system_error>
 
 #include <fcntl.h>
 #include <glog/logging.h>
@@ -69,6 +70,10 @@ std::string message_of(const std::exception& error) {
   }
   if (const auto* const files = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
     return files->path1().string() + ": " + files->code().message() + "; check the path";
+  }
+  const auto* const system = dynamic_cast<const std::system_error*>(&error);
+  if (system && system->code() == std::errc::resource_unavailable_try_again) {
+    return "no thread could be started; end other programs or raise the limits (ulimit -u, -v)";
   }
   return opencv ? opencv->err : error.what();
 }

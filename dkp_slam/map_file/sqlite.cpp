@@ -31,6 +31,8 @@ const char* remedy(int code) {
       return "another process has it in use; end that one first";
     case SQLITE_FULL:
       return "the disk is full; make room, what was saved before is kept";
+    case SQLITE_NOMEM:
+      return "end other programs or raise the limit (ulimit -v); what was saved before is kept";
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_AUTH:

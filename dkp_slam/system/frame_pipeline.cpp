@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/stopwatch.h"
+#include "dkp_slam/system/usable_detections.h"
 
 namespace dkp_slam {
 namespace {
@@ -129,7 +130,7 @@ DetectionResult FramePipeline::run_detector(const RgbdFrame& frame) {
   result.timestamp = frame.timestamp;
   if (!detector_) return result;
   try {
-    result.detections = detector_->detect(frame);
+    result.detections = usable_detections(detector_->detect(frame), frame.colour.size());
     result.answered = true;
   } catch (const std::exception& error) {
     give_up_detector(frame.index, error.what());

@@ -263,10 +263,16 @@ void Slam::finish(const std::atomic<bool>* stop) {
   if (s.finished) return;
   s.pipeline.close_input();
   if (s.thread.joinable()) s.thread.join();
-  s.engine.finish(stop);
+  std::exception_ptr failure;
+  try {
+    s.engine.finish(stop);
+  } catch (...) {  // out of memory: the map and the paths are as they were before
+    failure = std::current_exception();
+  }
   s.finished = true;
   for (const auto& inbox : s.inboxes) inbox->put_map(s.engine.map(), true);
   for (const auto& inbox : s.inboxes) inbox->finish();
+  if (failure) std::rethrow_exception(failure);
 }
 
 SlamCounters Slam::counters() const {

@@ -66,6 +66,7 @@ class IndexDetector : public Detector {
     if (on_detect_) on_detect_(frame.index);
     Detection d;
     d.class_id = frame.index;
+    d.box = cv::Rect2f(10.0F, 10.0F, 20.0F, 20.0F);
     return {d};
   }
 
