@@ -117,7 +117,7 @@ class PosedImages {
     Progress progress(label, source->size());
     std::size_t used = 0, posed = 0, unmasked = 0;
     while (auto frame = source->read()) {
-      if (interrupted()) throw Error("interrupted; nothing was written");
+      if (interrupted()) throw Error("interrupted; nothing of the static world was written");
       progress.update(static_cast<std::size_t>(frame->index) + 1);
       const auto pose = pose_at(frame->timestamp);
       if (!pose || posed++ % every_ != 0) continue;

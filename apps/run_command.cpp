@@ -276,6 +276,7 @@ void run(RunOptions options) {
   if (options.overlay) {
     observers.overlay = std::make_shared<OverlayWriter>(options.out, options.overlay_every);
   }
+  remove_masks(options.out);
   if (options.save_masks) observers.masks = std::make_shared<MaskWriter>(options.out);
 
   RunLog log(options.out);

@@ -1,6 +1,7 @@
 #include "apps/run_masks.h"
 
 #include <cstdint>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -20,23 +21,35 @@ bool is_mask(const fs::path& file) {
          stem.find_first_not_of("0123456789.") == std::string::npos;
 }
 
+Error cannot_prepare(const fs::path& folder, const std::error_code& error) {
+  return Error(fmt::format("cannot prepare the folder {}: {}; choose another --out",
+                           folder.string(), error.message()));
+}
+
 }  // namespace
 
 std::string mask_name(double timestamp) { return fmt::format("{:.6f}.png", timestamp); }
 
-MaskWriter::MaskWriter(const fs::path& out) : folder_(out / masks_folder) {
+void remove_masks(const fs::path& out) {
+  const fs::path folder = out / masks_folder;
   try {
-    fs::create_directories(folder_);
-    check_writable(folder_ / mask_name(0.0));
+    if (!fs::exists(folder)) return;
     std::vector<fs::path> old;
-    for (const auto& entry : fs::directory_iterator(folder_)) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
       if (is_mask(entry.path())) old.push_back(entry.path());
     }
     for (const fs::path& file : old) fs::remove(file);
   } catch (const fs::filesystem_error& error) {
-    throw Error(fmt::format("cannot prepare the folder {}: {}; choose another --out",
-                            folder_.string(), error.code().message()));
+    throw cannot_prepare(folder, error.code());
   }
+}
+
+MaskWriter::MaskWriter(const fs::path& out) : folder_(out / masks_folder) {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) throw cannot_prepare(folder_, error);
+  check_writable(folder_ / mask_name(0.0));
+  remove_masks(out);
 }
 
 void MaskWriter::on_frame(const std::shared_ptr<const FrameSnapshot>& snapshot) {

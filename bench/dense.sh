@@ -3,7 +3,7 @@
 # true ones and without any, and compares the clouds with the truth.
 #   bench/dense.sh OUT SEQUENCE...     SEQUENCE: of `dkp-slam synth`, or a composite with mask/
 # Options of `run` and `export` come from RUN_OPTIONS and EXPORT_OPTIONS in the environment, the
-# camera of sequences without a camera.yaml from CAMERA.
+# camera of sequences without a camera.yaml from CAMERA; BACKGROUND: what a composite was made of.
 set -euo pipefail
 if [ $# -lt 2 ]; then
   echo "usage: bench/dense.sh OUT SEQUENCE..." >&2
@@ -16,6 +16,8 @@ read -ra run_options <<<"${RUN_OPTIONS:-}"
 read -ra export_options <<<"${EXPORT_OPTIONS:-}"
 camera=()
 if [ -n "${CAMERA:-}" ]; then camera=(--camera "$CAMERA"); fi
+background=()
+if [ -n "${BACKGROUND:-}" ]; then background=(--background "$BACKGROUND"); fi
 for sequence in "$@"; do
   run=$out/$(basename "$sequence")
   if [ ! -f "$run/summary.json" ]; then
@@ -28,5 +30,5 @@ for sequence in "$@"; do
   export_cloud true_masks --masks "$sequence/mask"
   export_cloud no_masks --no-masks
   "$build/bench/dense_bench" "$sequence" "$run/trajectory.txt" "$run"/{masks,true_masks,no_masks}.ply \
-    "${camera[@]}"
+    "${camera[@]}" "${background[@]}"
 done

@@ -36,15 +36,16 @@ using Eigen::Vector3i;
 
 struct Arguments {
   fs::path sequence, camera, trajectory;
+  fs::path background;  ///< of a composite: the same without the people; empty: it is unmasked
   std::vector<fs::path> clouds;
   int every = 2;
-  double range = 4.0;
+  double range = 5.0;
 };
 
 constexpr double cell_size = 0.02;  // metres
 constexpr int reach = 2;            // cells: what a Kinect's noise and the paths' error make of one
 constexpr double off_room = 0.04;   // metres from the room that are surely not the room
-constexpr int enough_views = 3;
+constexpr int enough_views = 2;
 
 /// Places that something was seen at.
 class Places {
@@ -114,6 +115,12 @@ bool pose_at(const Trajectory& path, double time, Se3& pose) {
   return best < 0.01;
 }
 
+void add_rest(const DepthViewer& viewer, const RgbdFrame& frame, const Se3& pose, Places& rest) {
+  const DepthView view = viewer.view(frame, pose);
+  const cv::Mat all(view.surface.size(), CV_8UC1, cv::Scalar(1));
+  add_points(viewer.camera(), view.surface, all, pose, frame.index, rest);
+}
+
 /// Which values of a mask are people: of a generated world's instances those of that class, else
 /// all but 0.
 cv::Mat people_table(const Scenario* scenario) {
@@ -148,13 +155,19 @@ Truth truth_of(const Arguments& arguments, const Trajectory& path) {
     if (frame->index % arguments.every != 0 || frame->mask.empty()) continue;
     Se3 pose;
     if (!pose_at(path, frame->timestamp, pose)) continue;
-    const DepthView rest = viewer.view(*frame, pose);
-    const cv::Mat all(rest.surface.size(), CV_8UC1, cv::Scalar(1));
-    add_points(camera, rest.surface, all, pose, frame->index, truth.rest);
+    if (arguments.background.empty()) add_rest(viewer, *frame, pose, truth.rest);
     cv::Mat on_people;
     cv::LUT(frame->mask, table, on_people);
     add_points(camera, frame->depth, on_people, pose, frame->index, truth.people);
     add_points(camera, frame->depth, frame->mask - on_people, pose, frame->index, truth.things);
+  }
+  if (!arguments.background.empty()) {
+    images.masks.clear();
+    const auto background = open_tum_folder(arguments.background, camera, images);
+    while (auto frame = background->read()) {
+      Se3 pose;
+      if (pose_at(path, frame->timestamp, pose)) add_rest(viewer, *frame, pose, truth.rest);
+    }
   }
   return truth;
 }
@@ -229,6 +242,8 @@ int main(int argc, char** argv) {
   program.add_option("TRAJECTORY", arguments.trajectory, "Of the run")->required();
   program.add_option("CLOUD", arguments.clouds, "PLY files that were made with it")->required();
   program.add_option("--camera", arguments.camera, "Default: SEQUENCE/camera.yaml");
+  program.add_option("--background", arguments.background,
+                     "Of a composite: the folder of the same without the people");
   program.add_option("--every", arguments.every, "Frames looked at for the truth")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

@@ -11,7 +11,7 @@ namespace dkp_slam {
 
 struct DenseMapOptions {
   double voxel = 0.02;  ///< metres, 0.005 to 0.2
-  /// Metres before and behind a surface in which depth counts: three times the noise at the range's
+  /// Metres before and behind a surface in which depth counts: twice the noise at the range's
   /// end. At least 3 voxels are taken.
   double truncation = 0.08;
   /// Share of what a voxel holds that is lost with every view through it.

@@ -9,7 +9,7 @@
 namespace dkp_slam {
 
 struct DepthViewOptions {
-  double max_range = 4.0;  ///< metres; a Kinect's noise at 4 m is 2.6 cm and grows with the square
+  double max_range = 5.0;  ///< metres; a Kinect's noise at 5 m is 4 cm and grows with the square
   /// Masks are grown by this share of the image's width: their edge, and that of depth, lie a few
   /// pixels off.
   double mask_margin = 0.0125;
