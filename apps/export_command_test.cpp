@@ -141,6 +141,10 @@ TEST_F(ExportCommand, ARunGivesTheStaticWorld) {
   }
   EXPECT_THAT(stdout_, StartsWith("12 images fused at 0.04 m: "));
 
+  fs::create_symlink("/dev/full", folder_ / "full.ply");
+  expect_refused(1, {run(), "--mesh", folder_ / "full.ply", "--voxel", "0.1"},
+                 "No space left on device");
+
   // All that is masked stays out; one that is of another size is said.
   const fs::path mask = run() / "masks" / (WallSequence::stamp(0) + ".png");
   ASSERT_TRUE(fs::exists(mask));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "dkp_slam/error.h"
@@ -17,6 +18,7 @@ constexpr double widest = 0.7071;       // cosine of 45 degrees
 constexpr double alike = 0.985;         // of 10 degrees
 constexpr double bin = 0.03;            // metres of height
 constexpr double share_of_floor = 0.1;  // of what faces up
+constexpr double narrowest = 0.1;       // metres, standard deviation of a floor's width
 constexpr std::size_t fewest = 200;     // vertices that face up, to speak of a floor
 
 Vector3d mean_up(std::span<const StampedPose> path) {
@@ -73,6 +75,32 @@ double lowest_level(const SurfaceMesh& mesh, const std::vector<std::size_t>& ver
   return heights.front();
 }
 
+/// Up and height of the plane through what lies near a level, in least squares: normals of single
+/// vertices, seen at an angle, lean towards the cameras.
+void fit_floor(const SurfaceMesh& mesh, Vector3d& up, double& height) {
+  for (const double near : {0.06, 0.04, 0.03}) {
+    Vector3d sum = Vector3d::Zero();
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    double count = 0.0;
+    for (const std::size_t i : facing(mesh, up, alike)) {
+      const Vector3d p = mesh.vertices[i].cast<double>();
+      if (std::abs(p.dot(up) - height) > near) continue;
+      sum += p;
+      squares += p * p.transpose();
+      count += 1.0;
+    }
+    if (count < 3.0) return;
+    const Vector3d mean = sum / count;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(squares / count -
+                                                              mean * mean.transpose());
+    const Vector3d normal = axes.eigenvectors().col(0);
+    // A strip of floor tells nothing of its tilt across.
+    if (axes.eigenvalues()(1) < narrowest * narrowest || std::abs(normal.dot(up)) < alike) return;
+    up = normal.dot(up) > 0.0 ? normal : Vector3d(-normal);
+    height = mean.dot(up);
+  }
+}
+
 double lowest(const SurfaceMesh& mesh, const Vector3d& up) {
   double low = INFINITY;
   for (const auto& v : mesh.vertices) low = std::min(low, v.cast<double>().dot(up));
@@ -93,6 +121,7 @@ LevelFrame find_level(const SurfaceMesh& mesh, std::span<const StampedPose> path
   if (level.found) {
     up = common_direction(mesh, upwards);
     floor = lowest_level(mesh, facing(mesh, up, alike), up);
+    fit_floor(mesh, up, floor);
   } else {
     floor = lowest(mesh, up);
   }
