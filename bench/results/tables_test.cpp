@@ -86,6 +86,7 @@ TEST(Timings, MediansByStageAndOfTheSumWithoutDetection) {
 TEST(Timings, DamagedTablesAreRefused) {
   EXPECT_THROW(read_timings(""), Error);
   EXPECT_THROW(read_timings("a_ms,b_ms\n"), Error);
+  EXPECT_THROW(read_timings("a_ms,a_ms\n1,2\n"), Error);
   EXPECT_THROW(read_timings("a_ms,b_ms\n1.0\n"), Error);
   EXPECT_THROW(read_timings("a_ms,b_ms\n1.0,2x\n"), Error);
   RunFigures run;

@@ -87,6 +87,10 @@ StampedPose parse_pose(std::string_view line, const Place& place) {
   if (!(rotation.norm() > min_quaternion_norm)) {
     fail(place, "the quaternion is zero; write '0 0 0 1' for no rotation, or remove the line");
   }
+  // Squares of larger ones are no numbers any more.
+  if (!std::isfinite(rotation.squaredNorm())) {
+    fail(place, "the quaternion is far from length 1; write '0 0 0 1' for no rotation");
+  }
   const Eigen::Vector3d position(v[1], v[2], v[3]);
   const double distance = position.stableNorm();  // of which nothing overflows
   if (!(distance <= farthest)) {

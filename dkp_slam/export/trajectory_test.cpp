@@ -113,6 +113,7 @@ TEST_F(TrajectoryFile, NamesFileLineAndFieldOfWhatIsWrong) {
   EXPECT_THAT(error_of(good + "\n2 0 0\n"), AllOf(HasSubstr(":4"), HasSubstr("3 fields")));
   EXPECT_THAT(error_of("1 0 0 0 0 0 0 1 7\n"), AllOf(HasSubstr(":1"), HasSubstr("9 fields")));
   EXPECT_THAT(error_of("1 0 0 0 0 0 0 0\n"), AllOf(HasSubstr(":1"), HasSubstr("quaternion")));
+  EXPECT_THAT(error_of("1 0 0 0 9e160 0 0 1\n"), AllOf(HasSubstr(":1"), HasSubstr("quaternion")));
   EXPECT_THAT(error_of("1 0 0 1e160 0 0 0 1\n"), AllOf(HasSubstr(":1"), HasSubstr("1e+160 m")));
   EXPECT_THAT(error_of("1 0 0x 0 0 0 0 1\n"), AllOf(HasSubstr("ty"), HasSubstr("'0x'")));
   EXPECT_THAT(error_of("a\tb\x01 0 0 0 0 0 0\n"), HasSubstr("'a'"));

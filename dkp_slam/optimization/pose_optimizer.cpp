@@ -119,4 +119,16 @@ PoseEstimate optimize_pose(const Camera& camera, const MeasurementModel& model, 
   return out;
 }
 
+Eigen::Matrix<double, 6, 6> pose_information(const Camera& camera, const MeasurementModel& model,
+                                             const Se3& camera_from_world,
+                                             const std::vector<PoseObservation>& observations) {
+  const Problem problem(camera, model, observations);
+  constexpr bool robust = true;
+  NormalEquations sum;
+  for (const PoseObservation& o : observations) {
+    problem.accumulate(camera_from_world, o, robust, sum);
+  }
+  return sum.h;
+}
+
 }  // namespace dkp_slam

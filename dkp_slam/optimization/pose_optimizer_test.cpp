@@ -1,5 +1,7 @@
 #include "dkp_slam/optimization/pose_optimizer.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "dkp_slam/optimization/test_scene.h"
@@ -66,6 +68,31 @@ TEST(PoseOptimizer, TooFewObservationsLeaveThePoseAlone) {
   std::vector<PoseObservation> seen;
   for (const auto& p : scene.points) seen.push_back({p, scene.exact(Se3(), p)});
   EXPECT_EQ(optimize_pose(scene.camera, {}, Se3(), seen).inliers, 0);
+}
+
+TEST(PoseInformation, OfOneLandmarkStraightAhead) {
+  const Scene scene(0);
+  const Eigen::Vector3d point(0.0, 0.0, 2.0);
+  const MeasurementModel model;
+  const auto h = pose_information(scene.camera, model, Se3(), {{point, scene.exact(Se3(), point)}});
+  // A metre to the side is fx / z pixels; a radian about the vertical is fx pixels.
+  const double pixels = 500.0 / 2.0;
+  EXPECT_NEAR(h(0, 0), pixels * pixels, 1e-6);
+  EXPECT_NEAR(h(1, 1), pixels * pixels, 1e-6);
+  EXPECT_NEAR(h(2, 2), std::pow(model.depth_sigma(scene.camera, 2.0), -2.0), 1e-6);
+  EXPECT_NEAR(h(3, 3), 500.0 * 500.0, 1e-6);
+  EXPECT_NEAR(h(0, 4), pixels * 500.0, 1e-6);  // one looks like the other
+  EXPECT_NEAR(h(5, 5), 0.0, 1e-12);            // a turn about the axis leaves it where it is
+}
+
+TEST(PoseInformation, GrowsWithTheLandmarks) {
+  const Scene scene(100);
+  std::vector<PoseObservation> seen;
+  for (const auto& p : scene.points) seen.push_back({p, scene.exact(Se3(), p)});
+  std::vector<PoseObservation> twice = seen;
+  twice.insert(twice.end(), seen.begin(), seen.end());
+  const auto once = pose_information(scene.camera, {}, Se3(), seen);
+  EXPECT_TRUE(pose_information(scene.camera, {}, Se3(), twice).isApprox(2.0 * once, 1e-12));
 }
 
 }  // namespace

@@ -38,7 +38,8 @@ Engine::Engine(const SlamConfig& config, std::optional<Map> stored)
       tracker_(map_, places_, config.measurement, tracker_options(config), config.localize_only,
                config.seed),
       dynamics_(config.camera, config.dynamics, config.seed),
-      refill_(config.orb, refill_options(config)) {
+      refill_(config.orb, refill_options(config)),
+      self_check_(map_, config.measurement) {
   for (int k = 0; k < first_keyframe_; ++k) {
     if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
   }
@@ -98,6 +99,8 @@ void Engine::localize(const PreparedFrame& prepared, FrameSnapshot& snapshot) {
   result.features = frame.features.size();
   for (const char s : frame.is_static) result.removed_features += !s;
   result.tracked_landmarks = tracker_.tracked_landmarks();
+  result.quality =
+      self_check_.check(frame, result.localised, result.tracked_landmarks, snapshot.dynamics);
   result.map_keyframes = map_.live_keyframes();
   result.map_landmarks = map_.live_landmarks();
   snapshot.landmarks = std::move(frame.landmark);

@@ -14,6 +14,7 @@
 #include "dkp_slam/system/frame_pipeline.h"
 #include "dkp_slam/system/frame_result.h"
 #include "dkp_slam/system/pose_log.h"
+#include "dkp_slam/system/self_check.h"
 #include "dkp_slam/tracking/tracker.h"
 
 namespace dkp_slam {
@@ -55,6 +56,7 @@ class Engine {
   PoseLog poses_;  // of all localised frames of this run
   DynamicsModule dynamics_;
   FeatureRefill refill_;
+  SelfCheck self_check_;
 };
 
 }  // namespace dkp_slam

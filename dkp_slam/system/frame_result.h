@@ -1,7 +1,9 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/detection/detector.h"
@@ -11,6 +13,23 @@
 #include "dkp_slam/tracking/tracker.h"
 
 namespace dkp_slam {
+
+/// How far a frame's pose can be trusted, for whoever steers by it (docs/reliability.md).
+struct PoseQuality {
+  /// Of the camera's position (first three, square metres) and orientation (last three, square
+  /// radians) along the camera's axes, relative to the room about it as the map has it: the true
+  /// world_from_camera is that of the result times exp(xi). Infinite where not localised.
+  Eigen::Matrix<double, 6, 6> covariance = unknown();
+  /// Share of the image that lies on what may move: people and what they carry; 0 to 1.
+  double people_share = 0.0;
+  /// Seconds since a frame was placed by landmarks of the map: 0 where this one was, infinite where
+  /// none ever was. A frame that is localised without (by its measured motion) is drifting.
+  double since_map_seen = std::numeric_limits<double>::infinity();
+
+  /// Standard deviation of the position in its worst direction, metres.
+  double position_sigma() const;
+  static Eigen::Matrix<double, 6, 6> unknown();
+};
 
 /// What became of one frame.
 struct FrameResult {
@@ -23,8 +42,9 @@ struct FrameResult {
   Se3 world_from_camera;
   int map = 0;  ///< which of the atlas' maps
   int features = 0;
-  int removed_features = 0;  ///< called dynamic
-  int tracked_landmarks = 0;
+  int removed_features = 0;   ///< called dynamic
+  int tracked_landmarks = 0;  ///< inliers that the pose rests on; 0 where motion carried it
+  PoseQuality quality;
   int detections = 0;   ///< in this frame, scores high enough to start an object
   int compensated = 0;  ///< objects carried without a detection
   bool keyframe = false;

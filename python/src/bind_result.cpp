@@ -35,6 +35,13 @@ py::object pose(const ResultObject& self) {
   return matrix_of(self.result.world_from_camera);
 }
 
+py::array_t<double> covariance(const ResultObject& self) {
+  const auto& values = self.result.quality.covariance;
+  py::array_t<double> out({py::ssize_t{6}, py::ssize_t{6}});
+  std::copy(values.data(), values.data() + values.size(), out.mutable_data());  // symmetric
+  return out;
+}
+
 py::array mask(const ResultObject& self) {
   const FrameDetails& details = details_of(self);
   if (!details.mask.empty()) return array_of(details.mask);
@@ -138,7 +145,20 @@ As known at that moment: later adjustments move it, see Slam.trajectory.)")
       .def_property_readonly("features", field(&FrameResult::features))
       .def_property_readonly("removed_features", field(&FrameResult::removed_features),
                              "Of these, called dynamic.")
-      .def_property_readonly("tracked_landmarks", field(&FrameResult::tracked_landmarks))
+      .def_property_readonly("tracked_landmarks", field(&FrameResult::tracked_landmarks),
+                             "That the pose rests on; 0 where the measured motion carried it.")
+      .def_property_readonly(
+          "covariance", &covariance,
+          R"(Of the pose, 6 x 6 float64: position (m^2), then orientation (rad^2).
+
+Along the camera's axes; infinite where not localised. docs/reliability.md.)")
+      .def_property_readonly(
+          "people_share", [](const ResultObject& self) { return self.result.quality.people_share; },
+          "Share of the image that lies on what may move, 0 to 1.")
+      .def_property_readonly(
+          "since_map_seen",
+          [](const ResultObject& self) { return self.result.quality.since_map_seen; },
+          "Seconds since landmarks of the map placed a frame; 0: this one; infinite: never.")
       .def_property_readonly("map_keyframes", field(&FrameResult::map_keyframes))
       .def_property_readonly("map_landmarks", field(&FrameResult::map_landmarks))
       .def_property_readonly("times", &times, "Milliseconds by stage.")

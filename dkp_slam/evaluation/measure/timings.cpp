@@ -1,5 +1,7 @@
 #include "dkp_slam/evaluation/measure/timings.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -24,6 +26,13 @@ std::map<std::string, std::vector<double>> read_timings(const std::string& csv) 
   std::string line;
   std::getline(in, line);
   const std::vector<std::string> names = fields_of(line);
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+        names.begin() + static_cast<std::ptrdiff_t>(i)) {
+      throw Error(
+          fmt::format("timings.csv:1: two columns are called '{}'; run it again", names[i]));
+    }
+  }
   std::map<std::string, std::vector<double>> columns;
   for (int number = 2; std::getline(in, line); ++number) {
     const std::vector<std::string> fields = fields_of(line);

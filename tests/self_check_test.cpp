@@ -1,0 +1,179 @@
+// What a frame's result says of itself, against the truth.
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/synth/true_detections.h"
+#include "tests/support/recording.h"
+#include "tests/support/run.h"
+
+namespace dkp_slam {
+namespace {
+
+using testing::Outcome;
+using testing::Recording;
+
+/// Knows the exact box of everybody.
+class ExactBoxes : public Detector {
+ public:
+  explicit ExactBoxes(const Recording& room) : room_(room) {}
+  std::string name() const override { return "exact boxes"; }
+  std::vector<Detection> detect(const RgbdFrame& frame) override {
+    return true_detections(room_.truths.at(static_cast<std::size_t>(frame.index)));
+  }
+
+ private:
+  const Recording& room_;
+};
+
+/// A hand lies over the lens from one frame to another (exclusive).
+class CoveredSource : public RgbdSource {
+ public:
+  CoveredSource(std::unique_ptr<RgbdSource> source, int from, int to)
+      : source_(std::move(source)), from_(from), to_(to) {}
+  std::string description() const override { return "covered"; }
+  std::optional<std::size_t> size() const override { return source_->size(); }
+  std::size_t skipped() const override { return 0; }
+  std::optional<RgbdFrame> read() override {
+    auto frame = source_->read();
+    if (frame && frame->index >= from_ && frame->index < to_) {
+      frame->colour = cv::Mat(frame->colour.size(), CV_8UC3, cv::Scalar::all(8));
+      frame->depth = cv::Mat::zeros(frame->depth.size(), CV_32F);
+    }
+    return frame;
+  }
+
+ private:
+  const std::unique_ptr<RgbdSource> source_;
+  const int from_, to_;
+};
+
+/// What the poses as told at the time are off, each in standard deviations.
+struct Honesty {
+  int localised = 0, over_three_sigma = 0;
+  double largest_error = 0.0;  ///< metres
+  double median_sigma = 0.0;   ///< metres, in the worst direction
+};
+
+const StampedPose& at(const Trajectory& truth, double timestamp) {
+  return *std::min_element(truth.begin(), truth.end(), [&](const auto& a, const auto& b) {
+    return std::abs(a.timestamp - timestamp) < std::abs(b.timestamp - timestamp);
+  });
+}
+
+/// The frames' world laid over the true one, by their orientations (a short path's places tell
+/// little of the turn) and the middle of their places.
+Se3 truth_from_world(const std::vector<FrameResult>& localised, const Trajectory& truth) {
+  Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d there = Eigen::Vector3d::Zero(), here = Eigen::Vector3d::Zero();
+  for (const FrameResult& f : localised) {
+    const Se3& right = at(truth, f.timestamp).world_from_camera;
+    turns += (right.rotation * f.world_from_camera.rotation.conjugate()).toRotationMatrix();
+    there += right.translation / static_cast<double>(localised.size());
+    here += f.world_from_camera.translation / static_cast<double>(localised.size());
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Quaterniond turn(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose()));
+  return {turn, there - turn * here};
+}
+
+Honesty honesty_of(const Outcome& outcome, const Trajectory& truth) {
+  std::vector<FrameResult> localised;
+  std::copy_if(outcome.frames.begin(), outcome.frames.end(), std::back_inserter(localised),
+               [](const FrameResult& f) { return f.localised; });
+  const Se3 alignment = truth_from_world(localised, truth);
+  Honesty honesty;
+  std::vector<double> sigmas;
+  for (const FrameResult& f : localised) {
+    const Vector6d off =
+        ((alignment * f.world_from_camera).inverse() * at(truth, f.timestamp).world_from_camera)
+            .log();
+    const auto distance = [&](int part) {
+      const Eigen::Matrix3d covariance = f.quality.covariance.block<3, 3>(part, part);
+      const Eigen::Vector3d error = off.segment<3>(part);
+      return std::sqrt(error.dot(covariance.ldlt().solve(error)));
+    };
+    ++honesty.localised;
+    honesty.over_three_sigma += std::max(distance(0), distance(3)) > 3.0;
+    honesty.largest_error = std::max(honesty.largest_error, off.head<3>().norm());
+    sigmas.push_back(f.quality.position_sigma());
+  }
+  std::nth_element(sigmas.begin(), sigmas.begin() + sigmas.size() / 2, sigmas.end());
+  honesty.median_sigma = sigmas[sigmas.size() / 2];
+  return honesty;
+}
+
+struct Walk {
+  const char* scenario;
+  std::size_t frames, first_frame;
+};
+class SelfCheckOnWalks : public ::testing::TestWithParam<Walk> {};
+
+TEST_P(SelfCheckOnWalks, TheCovarianceIsHonest) {
+  const Recording room(GetParam().scenario, GetParam().frames, GetParam().first_frame, 2);
+  const Outcome outcome = testing::run(room.play(), testing::motion_detector(room.camera),
+                                       room.camera, DynamicsMode::dkp_plus);
+  const Honesty honesty = honesty_of(outcome, room.truth);
+  EXPECT_EQ(honesty.localised, static_cast<int>(GetParam().frames));
+  EXPECT_LE(honesty.over_three_sigma, 0.02 * honesty.localised);
+  EXPECT_LT(honesty.largest_error, 0.2);
+  // Who claims nothing is always honest.
+  EXPECT_LT(honesty.median_sigma, 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Synthetic, SelfCheckOnWalks,
+                         ::testing::Values(Walk{"walking_rpy", 90, 150},
+                                           Walk{"walking_halfsphere", 60, 90}),
+                         [](const auto& info) { return info.param.scenario; });
+
+TEST(SelfCheck, TheShareOfPeopleIsThatOfTheView) {
+  const Recording room("walking_static", 60, 90, 2);
+  const Outcome outcome = testing::run(room.play(), std::make_unique<ExactBoxes>(room), room.camera,
+                                       DynamicsMode::dkp_plus);
+  double largest = 0.0, off = 0.0;
+  for (std::size_t i = 5; i < room.frames.size(); ++i) {
+    const double truth =
+        cv::countNonZero(room.truths[i].mask) / double(room.truths[i].mask.total());
+    largest = std::max(largest, truth);
+    off += std::abs(outcome.frames[i].quality.people_share - truth) / double(room.frames.size());
+  }
+  EXPECT_GT(largest, 0.15);
+  EXPECT_LT(off, 0.05);
+}
+
+TEST(SelfCheck, ACoveredLensIsSaidAtOnceAndForHowLong) {
+  const Recording room("static_room", 60, 0, 2);
+  constexpr int from = 20, to = 40;
+  const Outcome outcome = testing::run(std::make_unique<CoveredSource>(room.play(), from, to),
+                                       nullptr, room.camera, DynamicsMode::dkp_plus);
+  const double last_seen = outcome.frames[from - 1].timestamp;
+  for (const FrameResult& f : outcome.frames) {
+    SCOPED_TRACE(f.index);
+    const bool covered = f.index >= from && f.index < to;
+    EXPECT_EQ(f.localised, !covered);
+    EXPECT_NEAR(f.quality.since_map_seen, covered ? f.timestamp - last_seen : 0.0, 1e-9);
+    EXPECT_EQ(std::isfinite(f.quality.position_sigma()), !covered);
+    EXPECT_EQ(f.quality.people_share, 0.0);
+  }
+}
+
+TEST(SelfCheck, BeforeThereIsAMapNothingIsKnown) {
+  const PoseQuality quality;
+  EXPECT_EQ(quality.since_map_seen, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(quality.position_sigma(), std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace dkp_slam
