@@ -19,5 +19,10 @@ void add_record_command(CLI::App& program);
 void add_stream_command(CLI::App& program);
 void add_calibrate_command(CLI::App& program);
 void add_config_command(CLI::App& program);
+void add_doctor_command(CLI::App& program);
+/// These three tell of all commands of `program`, which they refer to.
+void add_help_command(CLI::App& program);
+void add_completion_command(CLI::App& program);
+void add_man_command(CLI::App& program);
 
 }  // namespace dkp_slam::apps

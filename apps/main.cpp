@@ -40,6 +40,10 @@ int run_program(int argc, char** argv) {
   add_stream_command(program);
   add_calibrate_command(program);
   add_config_command(program);
+  add_doctor_command(program);
+  add_help_command(program);
+  add_completion_command(program);
+  add_man_command(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
