@@ -182,6 +182,11 @@ TEST_F(ExportCommand, MisuseIsSaidBeforeAnythingIsDone) {
   expect_refused(1, {folder_, "--out", folder_ / "p.ply"}, "holds no trajectory.txt");
   expect_refused(1, {path, "--out", folder_ / "none" / "p.ply"}, "does not exist");
   expect_refused(1, {path, "--dense", folder_ / "c.ply"}, "give the folder of the sequence");
+  Trajectory far = read_trajectory(path);
+  far.back().world_from_camera.translation.x() = 1e6;
+  write_trajectory(folder_ / "far.txt", far);
+  expect_refused(1, {folder_ / "far.txt", "--dense", folder_ / "c.ply", "--sequence", folder_},
+                 "is the trajectory in metres?");
   expect_refused(1, {path, "--out", "/dev/full", "--format", "tum"}, "No space left on device");
 }
 

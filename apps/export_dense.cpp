@@ -90,6 +90,18 @@ Images choose_images(const DenseExport& dense, const fs::path& run) {
   return images;
 }
 
+/// What is farther away than any building has numbers that voxels do not.
+void check_extent(const Trajectory& path) {
+  constexpr double farthest = 10'000.0;  // metres
+  for (const StampedPose& pose : path) {
+    if (pose.world_from_camera.translation.norm() < farthest) continue;
+    throw Error(
+        fmt::format("the pose at {:.6f} s lies more than {:g} m from the world's origin; "
+                    "is the trajectory in metres?",
+                    pose.timestamp, farthest));
+  }
+}
+
 /// Tangent per second of the camera's motion around a pose of the path.
 Vector6d velocity_at(const Trajectory& path, std::size_t i) {
   const std::size_t a = i > 0 ? i - 1 : i, b = std::min(i + 1, path.size() - 1);
@@ -225,6 +237,7 @@ void DenseExport::check_files() const {
 
 void export_dense(const DenseExport& dense, const fs::path& run, const Trajectory& path) {
   catch_interrupts();
+  check_extent(path);
   PosedImages images(dense, choose_images(dense, run), path);
   const Camera& camera = images.images().camera;
   DenseMap map(camera, dense.map);

@@ -16,12 +16,12 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
 #include "bench/dense/room_distance.h"
 #include "dkp_slam/dense/depth_view.h"
 #include "dkp_slam/error.h"
-#include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
@@ -172,6 +172,30 @@ Truth truth_of(const Arguments& arguments, const Trajectory& path) {
   return truth;
 }
 
+/// Estimate's world frame to the truth's, by the mean of what each pose says. The alignment of ATE
+/// goes by positions alone, which tell nothing of the turn where the camera is held still.
+Se3 alignment(const Trajectory& truth, const Trajectory& estimate) {
+  Eigen::Matrix4d turns = Eigen::Matrix4d::Zero();
+  Vector3d from = Vector3d::Zero(), to = Vector3d::Zero();
+  double count = 0.0;
+  for (const StampedPose& pose : estimate) {
+    Se3 true_pose;
+    if (!pose_at(truth, pose.timestamp, true_pose)) continue;
+    const Eigen::Vector4d q =
+        (true_pose.rotation * pose.world_from_camera.rotation.conjugate()).normalized().coeffs();
+    turns += q * q.transpose();
+    from += pose.world_from_camera.translation;
+    to += true_pose.translation;
+    count += 1.0;
+  }
+  if (count == 0.0) throw Error("no pose of the run has a true one within 10 ms");
+  // Markley et al., "Averaging Quaternions", Journal of Guidance, Control, and Dynamics 2007.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> axes(turns);
+  const Eigen::Vector4d mean = axes.eigenvectors().col(3);
+  const Eigen::Quaterniond rotation(mean);
+  return {rotation, (to - rotation * from) / count};
+}
+
 /// Points of a binary PLY file as `dkp-slam export` writes it.
 std::vector<Vector3d> read_points(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -228,8 +252,8 @@ void measure(const Arguments& arguments, const Truth& truth, const Se3& truth_fr
 void run(Arguments& arguments) {
   if (arguments.camera.empty()) arguments.camera = arguments.sequence / "camera.yaml";
   const Trajectory path = read_trajectory(arguments.sequence / "groundtruth.txt");
-  const AbsoluteError error = absolute_error(path, read_trajectory(arguments.trajectory));
-  measure(arguments, truth_of(arguments, path), error.truth_from_estimate);
+  const Se3 aligned = alignment(path, read_trajectory(arguments.trajectory));
+  measure(arguments, truth_of(arguments, path), aligned);
 }
 
 }  // namespace

@@ -12,15 +12,18 @@ namespace {
 
 constexpr double dense_until = 4.0;  // metres: as far as rays lie no farther apart than cells
 
-std::size_t most_blocks(double megabytes) {
-  constexpr double bytes = 3.0 * BlockGrid<std::uint8_t>::cells + 160.0;  // of both grids
+std::size_t blocks_of_both(double megabytes) {
+  constexpr double bytes = 3.0 * FreeSpace::Cells::cells + 160.0;  // with the tables that find them
   return static_cast<std::size_t>(std::max(1.0, megabytes * 1e6 / bytes));
 }
 
 }  // namespace
 
 FreeSpace::FreeSpace(const Camera& camera, double cell, double memory)
-    : camera_(camera), cell_(cell), grid_(most_blocks(memory)), last_view_(most_blocks(memory)) {
+    : camera_(camera),
+      cell_(cell),
+      grid_(blocks_of_both(memory)),
+      last_view_(blocks_of_both(memory)) {
   if (!(cell >= 0.01 && cell <= 1.0)) {
     throw Error(fmt::format("free space: a cell of {} m is not between 0.01 and 1 m", cell));
   }
