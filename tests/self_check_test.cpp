@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,27 +40,30 @@ class ExactBoxes : public Detector {
   const Recording& room_;
 };
 
-/// A hand lies over the lens from one frame to another (exclusive).
-class CoveredSource : public RgbdSource {
+/// Plays frames as something makes of them what else the camera might have seen.
+class ChangedSource : public RgbdSource {
  public:
-  CoveredSource(std::unique_ptr<RgbdSource> source, int from, int to)
-      : source_(std::move(source)), from_(from), to_(to) {}
-  std::string description() const override { return "covered"; }
+  using Change = std::function<void(RgbdFrame&)>;
+  ChangedSource(std::unique_ptr<RgbdSource> source, Change change)
+      : source_(std::move(source)), change_(std::move(change)) {}
+  std::string description() const override { return "changed"; }
   std::optional<std::size_t> size() const override { return source_->size(); }
   std::size_t skipped() const override { return 0; }
   std::optional<RgbdFrame> read() override {
     auto frame = source_->read();
-    if (frame && frame->index >= from_ && frame->index < to_) {
-      frame->colour = cv::Mat(frame->colour.size(), CV_8UC3, cv::Scalar::all(8));
-      frame->depth = cv::Mat::zeros(frame->depth.size(), CV_32F);
-    }
+    if (frame) change_(*frame);
     return frame;
   }
 
  private:
   const std::unique_ptr<RgbdSource> source_;
-  const int from_, to_;
+  const Change change_;
 };
+
+Outcome run_changed(const Recording& room, ChangedSource::Change change) {
+  return testing::run(std::make_unique<ChangedSource>(room.play(), std::move(change)), nullptr,
+                      room.camera, DynamicsMode::dkp_plus);
+}
 
 /// What the poses as told at the time are off, each in standard deviations.
 struct Honesty {
@@ -119,6 +124,8 @@ struct Walk {
   const char* scenario;
   std::size_t frames, first_frame;
 };
+std::ostream& operator<<(std::ostream& out, const Walk& walk) { return out << walk.scenario; }
+
 class SelfCheckOnWalks : public ::testing::TestWithParam<Walk> {};
 
 TEST_P(SelfCheckOnWalks, TheCovarianceIsHonest) {
@@ -156,8 +163,11 @@ TEST(SelfCheck, TheShareOfPeopleIsThatOfTheView) {
 TEST(SelfCheck, ACoveredLensIsSaidAtOnceAndForHowLong) {
   const Recording room("static_room", 60, 0, 2);
   constexpr int from = 20, to = 40;
-  const Outcome outcome = testing::run(std::make_unique<CoveredSource>(room.play(), from, to),
-                                       nullptr, room.camera, DynamicsMode::dkp_plus);
+  const Outcome outcome = run_changed(room, [](RgbdFrame& frame) {
+    if (frame.index < from || frame.index >= to) return;
+    frame.colour = cv::Mat(frame.colour.size(), CV_8UC3, cv::Scalar::all(8));
+    frame.depth = cv::Mat::zeros(frame.depth.size(), CV_32F);
+  });
   const double last_seen = outcome.frames[from - 1].timestamp;
   for (const FrameResult& f : outcome.frames) {
     SCOPED_TRACE(f.index);
@@ -167,6 +177,21 @@ TEST(SelfCheck, ACoveredLensIsSaidAtOnceAndForHowLong) {
     EXPECT_EQ(std::isfinite(f.quality.position_sigma()), !covered);
     EXPECT_EQ(f.quality.people_share, 0.0);
   }
+}
+
+TEST(SelfCheck, ACameraThatStoodStillForAMinuteKnowsWhereItIs) {
+  const Recording room("static_room", 60, 0, 2);
+  constexpr int from = 30;
+  constexpr double minute = 60.0;
+  Trajectory truth = room.truth;
+  for (std::size_t i = from; i < truth.size(); ++i) truth[i].timestamp += minute;
+  const Outcome outcome = run_changed(room, [](RgbdFrame& frame) {
+    if (frame.index >= from) frame.timestamp += minute;
+  });
+  EXPECT_EQ(outcome.lost(), std::vector<int>());
+  const Honesty honesty = honesty_of(outcome, truth);
+  EXPECT_EQ(honesty.over_three_sigma, 0);
+  EXPECT_LT(honesty.largest_error, 0.02);
 }
 
 TEST(SelfCheck, BeforeThereIsAMapNothingIsKnown) {

@@ -134,6 +134,9 @@ Trajectory read_trajectory(const fs::path& path) {
   if (fs::is_directory(path, error)) {
     throw Error(fmt::format("{}: is a folder; give the trajectory file in it", path.string()));
   }
+  if (fs::is_character_file(path, error) || fs::is_block_file(path, error)) {
+    throw Error(fmt::format("{}: is a device; give a trajectory file", path.string()));
+  }
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw Error(fmt::format("{}: cannot be opened; check its rights", path.string()));
   Trajectory poses;

@@ -59,6 +59,11 @@ TEST_F(TrajectoryFile, ReadsBlanksTabsCommasCommentsAndWindowsLineEnds) {
                   .isApprox(Eigen::Vector3d::UnitY(), 1e-12));
 }
 
+TEST_F(TrajectoryFile, ADeviceIsNoFile) {
+  EXPECT_THAT([] { read_trajectory("/dev/zero"); },
+              ::testing::ThrowsMessage<Error>(HasSubstr("is a device")));
+}
+
 TEST_F(TrajectoryFile, WritesTheseBytes) {
   Trajectory poses(2);
   poses[0].timestamp = 1305031102.1753041;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <ios>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -69,13 +69,19 @@ std::string read_text(const fs::path& file) {
   if (fs::is_directory(file, error)) {
     throw Error(file.string() + ": a folder, not a configuration file");
   }
+  // A pipe will do, and where it never ends it is left.
+  constexpr std::streamsize most_bytes = 1'000'000;
   std::ifstream in(file);
-  std::ostringstream text;
-  if (in) text << in.rdbuf();
-  if (!in || in.bad()) {
+  std::string text(most_bytes + 1, '\0');
+  if (in) in.read(text.data(), most_bytes + 1);
+  if (!in.is_open() || in.bad()) {
     throw Error(file.string() + ": cannot be read; is there such a configuration file?");
   }
-  return text.str();
+  if (in.gcount() > most_bytes) {
+    throw Error(file.string() + ": over a megabyte, no configuration file; check the path");
+  }
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
 }
 
 /// The value as YAML reads it back: texts in quotes, for they may look like anything.

@@ -135,6 +135,8 @@ TEST_F(OptionFile, NoMapAndNoFile) {
   OptionList list = OptionList::of(whole);
   EXPECT_THROW(read_option_file(file_.string() + ".none", list), Error);
   EXPECT_THROW(read_option_file(fs::temp_directory_path(), list), Error);
+  EXPECT_THAT([&] { read_option_file("/dev/zero", list); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("over a megabyte")));
 }
 
 }  // namespace
