@@ -42,6 +42,12 @@ bool full() {
   return wanted && std::string(wanted) == "full";
 }
 
+/// OpenCV's BufferArea asserts in a destructor where an allocation of its own has failed, which
+/// ends any program (docs/reliability.md).
+bool opencv_aborted(int code, const std::string& said) {
+  return code == killed + SIGABRT && said.find("buffer_area.cpp") != std::string::npos;
+}
+
 /// A call to fail, as the shim takes it.
 struct Fault {
   const char* call;
@@ -110,14 +116,15 @@ class Faults : public testing::FolderTest {
     const int code = program.wait();
     SCOPED_TRACE(fmt::format("{} {} {} of {}: exit code {}: {}", fault.call, fault.error,
                              fault.lasts ? "from" : "only", nth, code, program.err()));
-    EXPECT_TRUE(code == 0 || code == 1);
+    const bool memory = std::string(fault.call) == "memory";
+    EXPECT_TRUE(code == 0 || code == 1 || (memory && opencv_aborted(code, program.err())));
     if (code == 1) {
       EXPECT_THAT(program.err(), HasSubstr("dkp-slam: "));
     }
     expect_whole(code);
     return fs::exists(seen);
   }
-  /// Every call in turn, or `few` of them.
+  /// Every call in turn, or a few of them: the first, and then so many times as far on.
   void play_all(const Fault& fault, long first, double factor) const {
     long nth = first;
     while (play(fault, nth)) nth = full() ? nth + 1 : std::max(nth + 1, std::lround(factor * nth));
@@ -211,7 +218,13 @@ TEST_F(Faults, ASignalAtAnyMomentOfAnyCommand) {
   }
 }
 
-TEST_F(Faults, MemoryThatRunsOutForOnce) { play_all({"memory", "enomem"}, 3, 6.0); }
+TEST_F(Faults, MemoryThatRunsOutForOnce) {
+  if (!full()) return play_all({"memory", "enomem"}, 3, 6.0);
+  // There are hundreds of thousands: at random, as often as takes some minutes.
+  std::mt19937 random(3);
+  constexpr long calls = 300'000;
+  for (int i = 0; i < 500; ++i) play({"memory", "enomem"}, 1 + static_cast<long>(random() % calls));
+}
 
 TEST_F(Faults, MemoryThatIsLimited) {
   const int step = full() ? 10 : 160;  // MB
@@ -226,7 +239,8 @@ TEST_F(Faults, MemoryThatIsLimited) {
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : killed + WTERMSIG(status);
     constexpr int not_loaded = 127;  // what the system says where its libraries do not fit
     SCOPED_TRACE(fmt::format("{} MB: {}: {}", megabytes, code, content(folder_ / "said")));
-    EXPECT_TRUE(code == 0 || code == 1 || code == not_loaded);
+    EXPECT_TRUE(code == 0 || code == 1 || code == not_loaded ||
+                opencv_aborted(code, content(folder_ / "said")));
     expect_whole(code);
     failed += code == 1;
   }
