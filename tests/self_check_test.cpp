@@ -1,9 +1,7 @@
 // What a frame's result says of itself, against the truth.
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -13,17 +11,17 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/synth/true_detections.h"
+#include "tests/support/honesty.h"
 #include "tests/support/recording.h"
 #include "tests/support/run.h"
 
 namespace dkp_slam {
 namespace {
 
+using testing::Honesty;
 using testing::Outcome;
 using testing::Recording;
 
@@ -65,61 +63,6 @@ Outcome run_changed(const Recording& room, ChangedSource::Change change) {
                       room.camera, DynamicsMode::dkp_plus);
 }
 
-/// What the poses as told at the time are off, each in standard deviations.
-struct Honesty {
-  int localised = 0, over_three_sigma = 0;
-  double largest_error = 0.0;  ///< metres
-  double median_sigma = 0.0;   ///< metres, in the worst direction
-};
-
-const StampedPose& at(const Trajectory& truth, double timestamp) {
-  return *std::min_element(truth.begin(), truth.end(), [&](const auto& a, const auto& b) {
-    return std::abs(a.timestamp - timestamp) < std::abs(b.timestamp - timestamp);
-  });
-}
-
-/// The frames' world laid over the true one, by their orientations (a short path's places tell
-/// little of the turn) and the middle of their places.
-Se3 truth_from_world(const std::vector<FrameResult>& localised, const Trajectory& truth) {
-  Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d there = Eigen::Vector3d::Zero(), here = Eigen::Vector3d::Zero();
-  for (const FrameResult& f : localised) {
-    const Se3& right = at(truth, f.timestamp).world_from_camera;
-    turns += (right.rotation * f.world_from_camera.rotation.conjugate()).toRotationMatrix();
-    there += right.translation / static_cast<double>(localised.size());
-    here += f.world_from_camera.translation / static_cast<double>(localised.size());
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Quaterniond turn(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose()));
-  return {turn, there - turn * here};
-}
-
-Honesty honesty_of(const Outcome& outcome, const Trajectory& truth) {
-  std::vector<FrameResult> localised;
-  std::copy_if(outcome.frames.begin(), outcome.frames.end(), std::back_inserter(localised),
-               [](const FrameResult& f) { return f.localised; });
-  const Se3 alignment = truth_from_world(localised, truth);
-  Honesty honesty;
-  std::vector<double> sigmas;
-  for (const FrameResult& f : localised) {
-    const Vector6d off =
-        ((alignment * f.world_from_camera).inverse() * at(truth, f.timestamp).world_from_camera)
-            .log();
-    const auto distance = [&](int part) {
-      const Eigen::Matrix3d covariance = f.quality.covariance.block<3, 3>(part, part);
-      const Eigen::Vector3d error = off.segment<3>(part);
-      return std::sqrt(error.dot(covariance.ldlt().solve(error)));
-    };
-    ++honesty.localised;
-    honesty.over_three_sigma += std::max(distance(0), distance(3)) > 3.0;
-    honesty.largest_error = std::max(honesty.largest_error, off.head<3>().norm());
-    sigmas.push_back(f.quality.position_sigma());
-  }
-  std::nth_element(sigmas.begin(), sigmas.begin() + sigmas.size() / 2, sigmas.end());
-  honesty.median_sigma = sigmas[sigmas.size() / 2];
-  return honesty;
-}
-
 struct Walk {
   const char* scenario;
   std::size_t frames, first_frame;
@@ -132,7 +75,7 @@ TEST_P(SelfCheckOnWalks, TheCovarianceIsHonest) {
   const Recording room(GetParam().scenario, GetParam().frames, GetParam().first_frame, 2);
   const Outcome outcome = testing::run(room.play(), testing::motion_detector(room.camera),
                                        room.camera, DynamicsMode::dkp_plus);
-  const Honesty honesty = honesty_of(outcome, room.truth);
+  const Honesty honesty = testing::honesty_of(outcome.frames, room.truth);
   EXPECT_EQ(honesty.localised, static_cast<int>(GetParam().frames));
   EXPECT_LE(honesty.over_three_sigma, 0.02 * honesty.localised);
   EXPECT_LT(honesty.largest_error, 0.2);
@@ -189,7 +132,7 @@ TEST(SelfCheck, ACameraThatStoodStillForAMinuteKnowsWhereItIs) {
     if (frame.index >= from) frame.timestamp += minute;
   });
   EXPECT_EQ(outcome.lost(), std::vector<int>());
-  const Honesty honesty = honesty_of(outcome, truth);
+  const Honesty honesty = testing::honesty_of(outcome.frames, truth);
   EXPECT_EQ(honesty.over_three_sigma, 0);
   EXPECT_LT(honesty.largest_error, 0.02);
 }

@@ -76,7 +76,7 @@ void write_file_atomically(const fs::path& path, const Fill& fill) {
   std::error_code ignored;
   try {
     write_directly(temporary, path, fill);
-  } catch (const Error&) {
+  } catch (...) {  // memory may have run out as well
     fs::remove(temporary, ignored);
     throw;
   }

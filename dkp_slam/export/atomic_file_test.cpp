@@ -2,6 +2,8 @@
 
 #include <fstream>
 #include <iterator>
+#include <new>
+#include <ostream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -53,6 +55,15 @@ TEST_F(AtomicFile, ReplacesTheOldContentAndLeavesNoTemporaryFile) {
   write_file_atomically(path, "a longer first content");
   write_file_atomically(path, "second");
   EXPECT_EQ(content(path), "second");
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(AtomicFile, WhateverKeepsItFromBeingWrittenLeavesNoTemporaryFile) {
+  const fs::path path = folder_ / "a.txt";
+  write_file_atomically(path, "first");
+  EXPECT_THROW(write_file_atomically(path, [](std::ostream&) { throw std::bad_alloc(); }),
+               std::bad_alloc);
+  EXPECT_EQ(content(path), "first");
   EXPECT_EQ(files(), 1U);
 }
 
