@@ -16,6 +16,8 @@ constexpr int side = BlockGrid<Voxel>::side;
 constexpr double bytes_per_megabyte = 1e6;
 /// Pixels left out on the way to room: neighbours lie in the same blocks.
 constexpr int reserve_step = 2;
+/// Of the truncation: so far from what lies in a mask a voxel is of the same thing.
+constexpr float moving_reach = 0.5F;
 constexpr float nearest_point = 0.05F;  // metres before the camera
 
 std::size_t most_blocks(double megabytes) {
@@ -174,6 +176,11 @@ void DenseMap::fuse_block(const Projection& to, std::size_t block) {
         const Eigen::Vector3f p = to.at_its_row(next);
         int u = 0, v = 0;
         if (!to.pixel(p, u, v)) continue;
+        if (!view.moving.empty() &&
+            std::abs(view.moving.ptr<float>(v)[u] - p.z()) < moving_reach * to.truncation) {
+          see_moving(*at);
+          continue;
+        }
         const float nearest = view.nearest.ptr<float>(v)[u], depth = view.surface.ptr<float>(v)[u];
         if (nearest - p.z() > to.truncation) {
           see_through(*at);
@@ -195,6 +202,11 @@ void DenseMap::see_through(Voxel& voxel) const {
   voxel.seen_through = std::min(voxel.seen_through + 1.0F, static_cast<float>(options_.most_views));
   voxel.hits *= kept;
   voxel.weight *= kept;
+  voxel.moving *= kept;
+}
+
+void DenseMap::see_moving(Voxel& voxel) const {
+  voxel.moving = std::min(voxel.moving + 1.0F, static_cast<float>(options_.most_views));
 }
 
 void DenseMap::see_surface(Voxel& voxel, float distance, float weight) const {

@@ -28,6 +28,7 @@ struct Voxel {
   float weight = 0.0F;        ///< of that mean: sum of inverse variances of depth, 1 at 0.5 m
   float hits = 0.0F;          ///< views that saw a surface at this place
   float seen_through = 0.0F;  ///< views that saw something behind this place
+  float moving = 0.0F;        ///< views that saw something in a mask at this place
   std::uint16_t colour[3] = {0, 0, 0};  ///< BGR, 1/256 grey levels; mean
   std::uint16_t colours = 0;            ///< views in that mean
 };
@@ -60,6 +61,7 @@ class DenseMap {
   struct Projection;
   void fuse_block(const Projection& to, std::size_t block);
   void see_through(Voxel& voxel) const;
+  void see_moving(Voxel& voxel) const;
   void see_surface(Voxel& voxel, float distance, float weight) const;
 
   Camera camera_;

@@ -120,6 +120,25 @@ TEST(DenseMap, WhatLiesInMasksNeverEnters) {
   EXPECT_GT(mesh.vertices.size(), 3000U);
 }
 
+TEST(DenseMap, WhoIsMaskedInSomeViewsOnlyNeverEntersEither) {
+  const DepthViewer viewer(small_camera());
+  const auto guests_in = [&](int masked_every) {
+    DenseMap map(viewer.camera());
+    for (int i = 0; i < 24; ++i) {
+      RgbdFrame frame = seen(viewer.camera(), both(wall(2.0), box(guest)), swaying(i));
+      frame.mask = frame.depth < (i % masked_every == 0 ? 1.6F : 0.0F);
+      const DepthView view = viewer.view(frame, swaying(i));
+      map.reserve(view);
+      map.fuse(view);
+    }
+    const SurfaceMesh mesh = extract_surface(map);
+    EXPECT_GT(mesh.vertices.size(), 3000U);
+    return vertices_in(mesh, guest);
+  };
+  EXPECT_EQ(guests_in(3), 0);
+  EXPECT_GT(guests_in(12), 300) << "a mask that is wrong now and then takes nothing away";
+}
+
 TEST(DenseMap, TheRowsOfARollingShutterSeeFromTheirOwnPlaces) {
   Camera camera = small_camera();
   camera.readout = 0.03;

@@ -53,27 +53,26 @@ void DepthViewer::check(const RgbdFrame& frame) const {
   if (!frame.mask.empty()) check_image(frame.mask, CV_8UC1, camera_, "the mask", "8-bit grey");
 }
 
-cv::Mat DepthViewer::static_depth(const RgbdFrame& frame) const {
-  cv::Mat depth;
+void DepthViewer::split_depth(const RgbdFrame& frame, cv::Mat& still, cv::Mat& moving) const {
   if (map_x_.empty()) {
-    depth = frame.depth.clone();
+    still = frame.depth.clone();
   } else {
     // Nearest: between two depths there is none.
-    cv::remap(frame.depth, depth, map_x_, map_y_, cv::INTER_NEAREST, cv::BORDER_CONSTANT);
+    cv::remap(frame.depth, still, map_x_, map_y_, cv::INTER_NEAREST, cv::BORDER_CONSTANT);
   }
   if (!frame.mask.empty()) {
     cv::Mat mask = frame.mask;
     if (!map_x_.empty()) {
       cv::remap(frame.mask, mask, map_x_, map_y_, cv::INTER_NEAREST, cv::BORDER_CONSTANT);
     }
+    still.copyTo(moving, mask);
     const int margin = static_cast<int>(std::lround(options_.mask_margin * camera_.width));
     if (margin > 0) {
       cv::dilate(mask, mask,
                  cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * margin + 1, 2 * margin + 1}));
     }
-    depth.setTo(0.0F, mask);
+    still.setTo(0.0F, mask);
   }
-  return depth;
 }
 
 DepthView DepthViewer::view(const RgbdFrame& frame, const Se3& world_from_camera,
@@ -87,7 +86,8 @@ DepthView DepthViewer::view(const RgbdFrame& frame, const Se3& world_from_camera
   } else {
     cv::remap(frame.colour, view.colour, map_x_, map_y_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   }
-  const cv::Mat depth = static_depth(frame);
+  cv::Mat depth;
+  split_depth(frame, depth, view.moving);
   const cv::Mat unknown = depth <= 0.0F;
   const cv::Mat around = cv::Mat::ones(3, 3, CV_8U);
   cv::Mat farthest;

@@ -23,6 +23,7 @@ struct DepthViewOptions {
 struct DepthView {
   cv::Mat surface;        ///< where surfaces are: outside masks, away from depth edges
   cv::Mat nearest;        ///< nothing is nearer than this, in a pixel or in those around it
+  cv::Mat moving;         ///< depth of what lies in a mask; empty without masks
   cv::Mat colour;         ///< BGR
   Se3 world_from_camera;  ///< when the middle row of depth was taken
   /// Tangent (translation, rotation) per second of the camera's motion in its own frame; with it
@@ -46,7 +47,8 @@ class DepthViewer {
 
  private:
   void check(const RgbdFrame& frame) const;
-  cv::Mat static_depth(const RgbdFrame& frame) const;
+  /// Depth without lens distortion, of what is static and, where there is a mask, of what moves.
+  void split_depth(const RgbdFrame& frame, cv::Mat& still, cv::Mat& moving) const;
 
   Camera camera_;
   DepthViewOptions options_;

@@ -52,6 +52,7 @@ class Extraction {
         size_(static_cast<float>(map.options().voxel)),
         free_(static_cast<float>(map.options().truncation)),
         least_views_(static_cast<float>(options.least_views)),
+        moving_share_(static_cast<float>(options.moving_share)),
         vertex_of_(grid_.most()) {}
 
   SurfaceMesh run() {
@@ -70,7 +71,8 @@ class Extraction {
     if (voxel.seen_through > voxel.hits) {
       return {voxel.seen_through >= least_views_, free_, nullptr};
     }
-    return {voxel.hits - voxel.seen_through >= least_views_, voxel.distance, &voxel};
+    const bool still = voxel.moving < moving_share_ * voxel.hits || voxel.moving < least_views_;
+    return {still && voxel.hits - voxel.seen_through >= least_views_, voxel.distance, &voxel};
   }
 
   /// Where the surface crosses an edge; false where it does not.
@@ -91,7 +93,7 @@ class Extraction {
   }
 
   const Grid& grid_;
-  float size_, free_, least_views_;
+  float size_, free_, least_views_, moving_share_;
   BlockGrid<VertexIndex> vertex_of_;
   SurfaceMesh mesh_;
 };

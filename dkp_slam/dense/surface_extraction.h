@@ -8,6 +8,9 @@ namespace dkp_slam {
 struct SurfaceOptions {
   /// Views that must have seen a surface at a place, less those that looked through it since.
   double least_views = 3.0;
+  /// A place where so many views saw something in a mask for each that saw a surface there is no
+  /// part of the static world: somebody who sits is not detected in every image.
+  double moving_share = 0.3;
   /// Square metres of the smallest piece of surface that hangs together and is kept: smaller ones
   /// are noise in mid-air.
   double least_area = 0.02;
