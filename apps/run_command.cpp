@@ -101,7 +101,7 @@ class DetectionLog : public FileObserver {
  public:
   explicit DetectionLog(RunLog& log) : log_(log) {}
   void on_frame(const std::shared_ptr<const FrameSnapshot>& snapshot) override {
-    guard([&] { log_.add(snapshot->frame.timestamp, snapshot->detections.detections); });
+    guard([&] { log_.add(snapshot->frame.timestamp, snapshot->detections); });
   }
 
  private:

@@ -58,8 +58,12 @@ void RunLog::add(const FrameResult& frame, double memory_mb) {
   timings_.append(line_of(frame, memory_mb));
 }
 
-void RunLog::add(double timestamp, const std::vector<Detection>& detections) {
-  detections_.append(recorded_lines(timestamp, detections));
+void RunLog::add(double timestamp, const DetectionResult& answer) {
+  // Without a detector nothing is ever answered, and there is nothing to tell.
+  answered_ = answered_ || answer.answered;
+  if (!answered_) return;
+  detections_.append(answer.answered ? recorded_lines(timestamp, answer.detections)
+                                     : recorded_gap(timestamp));
 }
 
 std::vector<StageMedian> RunLog::medians() {
@@ -70,7 +74,8 @@ std::vector<StageMedian> RunLog::medians() {
       const std::size_t comma = line.rfind(',');
       double value = 0.0;
       std::from_chars(line.data() + comma + 1, line.data() + line.size(), value);
-      values[i].push_back(value);
+      const bool not_looked = columns[i].value == &FrameResult::detection_ms && value == 0.0;
+      if (!not_looked) values[i].push_back(value);
       line = line.substr(0, comma);
     }
     first = false;

@@ -25,14 +25,16 @@ class RunLog {
 
   /// `memory_mb`: of the whole process.
   void add(const FrameResult& frame, double memory_mb);
-  void add(double timestamp, const std::vector<Detection>& detections);
-  /// Of each stage, 0 without frames; in the order of the columns, the whole frame last.
+  void add(double timestamp, const DetectionResult& answer);
+  /// Of each stage, 0 without frames, that of the detector over the images that it looked at; in
+  /// the order of the columns, the whole frame last.
   std::vector<StageMedian> medians();
   /// Throws `Error` where something could not be written, now or before.
   void save();
 
  private:
   GrowingFile timings_, detections_;
+  bool answered_ = false;  // the detector, at least once
 };
 
 }  // namespace dkp_slam::apps

@@ -35,13 +35,17 @@ struct DetectionResult {
   std::vector<Detection> detections;
 };
 
-/// Finds things that move or may move in one frame. Called with every frame in order, from one
-/// thread; may keep state between frames. A detector that throws is replaced by none by its caller.
+/// Finds things that move or may move in one frame. Called with every frame that it looks at, in
+/// order, from one thread; may keep state between frames. A detector that throws is replaced by
+/// none by its caller.
 class Detector {
  public:
   virtual ~Detector() = default;
   /// Name for reports: "yolox (ONNX Runtime, cpu)", "motion".
   virtual std::string name() const = 0;
+  /// Whether it wants to look at this frame; false leaves the frame without an answer. Asked once
+  /// for every frame, before `detect`.
+  virtual bool looks_at(const RgbdFrame& /*frame*/) { return true; }
   /// Detections down to the configured lowest score: the tracker of missed detections continues
   /// known objects on weaker evidence than it starts new ones on (algorithm.md, §3.3).
   virtual std::vector<Detection> detect(const RgbdFrame& frame) = 0;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <fstream>
 #include <map>
+#include <optional>
+#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -18,10 +20,14 @@ std::int64_t microseconds(double timestamp) { return std::llround(timestamp * 1e
 
 class RecordedDetector : public Detector {
  public:
-  RecordedDetector(std::string name, std::map<std::int64_t, std::vector<Detection>> of_stamp)
-      : name_(std::move(name)), of_stamp_(std::move(of_stamp)) {}
+  RecordedDetector(std::string name, std::map<std::int64_t, std::vector<Detection>> of_stamp,
+                   std::set<std::int64_t> gaps)
+      : name_(std::move(name)), of_stamp_(std::move(of_stamp)), gaps_(std::move(gaps)) {}
 
   std::string name() const override { return name_; }
+  bool looks_at(const RgbdFrame& frame) override {
+    return !gaps_.contains(microseconds(frame.timestamp));
+  }
   std::vector<Detection> detect(const RgbdFrame& frame) override {
     const auto found = of_stamp_.find(microseconds(frame.timestamp));
     if (found == of_stamp_.end()) return {};
@@ -38,7 +44,21 @@ class RecordedDetector : public Detector {
  private:
   std::string name_;
   std::map<std::int64_t, std::vector<Detection>> of_stamp_;
+  std::set<std::int64_t> gaps_;  // not looked at
 };
+
+constexpr const char* gap_words = " not looked at";
+
+/// Time stamp of a line that recorded_gap wrote; nothing for other comments.
+std::optional<double> gap_of(const std::string& line) {
+  std::istringstream words(line.substr(1));
+  double timestamp = 0.0;
+  std::string rest;
+  if (!(words >> timestamp) || !std::getline(words, rest)) return std::nullopt;
+  if (!rest.empty() && rest.back() == '\r') rest.pop_back();
+  if (rest != gap_words || !std::isfinite(timestamp)) return std::nullopt;
+  return timestamp;
+}
 
 /// What is wrong with a detection as read, or nothing.
 std::string problem_of(double timestamp, const Detection& d) {
@@ -64,9 +84,14 @@ std::unique_ptr<Detector> open_recorded_detections(const std::filesystem::path& 
   constexpr std::uintmax_t most_bytes = 4'000'000'000;
   std::ifstream in = open_text(file, most_bytes, "cannot read the detections", "check the path");
   std::map<std::int64_t, std::vector<Detection>> of_stamp;
+  std::set<std::int64_t> gaps;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    if (line[0] == '#') {
+      if (const auto gap = gap_of(line)) gaps.insert(microseconds(*gap));
+      continue;
+    }
     std::istringstream words(line);
     double timestamp = 0.0;
     Detection d;
@@ -86,7 +111,7 @@ std::unique_ptr<Detector> open_recorded_detections(const std::filesystem::path& 
   }
   if (in.bad()) throw Error(file.string() + ": cannot read the detections to their end");
   return std::make_unique<RecordedDetector>("recorded (" + file.filename().string() + ")",
-                                            std::move(of_stamp));
+                                            std::move(of_stamp), std::move(gaps));
 }
 
 std::string recorded_lines(double timestamp, const std::vector<Detection>& detections) {
@@ -97,6 +122,10 @@ std::string recorded_lines(double timestamp, const std::vector<Detection>& detec
                        d.box.y, d.box.width, d.box.height);
   }
   return out;
+}
+
+std::string recorded_gap(double timestamp) {
+  return fmt::format("# {:.6f}{}\n", timestamp, gap_words);
 }
 
 std::string recorded_header() { return "# timestamp class_id score x y width height\n"; }

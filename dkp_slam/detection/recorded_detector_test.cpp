@@ -61,6 +61,15 @@ TEST_F(Recorded, RepeatsWhatWasWritten) {
   EXPECT_TRUE(detector->detect(frame_at(time + 0.000002)).empty());
 }
 
+TEST_F(Recorded, NotLookedAtIsNotNobodyThere) {
+  const auto detector = open(recorded_header() + "1.0 0 0.9 1 2 30 40\n" + recorded_gap(1.5) +
+                             "# 2.0 a comment\n#\n");
+  EXPECT_TRUE(detector->looks_at(frame_at(1.0)));
+  EXPECT_FALSE(detector->looks_at(frame_at(1.5)));
+  EXPECT_TRUE(detector->looks_at(frame_at(2.0)));
+  EXPECT_TRUE(detector->detect(frame_at(2.0)).empty());
+}
+
 TEST_F(Recorded, ClipsBoxesToTheImage) {
   const auto detector = open("1.5 0 0.9 600 -10 100 50\n1.5 0 0.9 700 0 10 10\n");
   const std::vector<Detection> found = detector->detect(frame_at(1.5));

@@ -40,6 +40,9 @@ struct YoloxOptions {
   /// Threads of the network. 1: on two cores tracking and mapping need the other one, and results
   /// do not depend on the number of cores.
   int threads = 1;
+  /// Seconds between two images that it looks at, at least: objects are carried from one to the
+  /// next. 0.05 is every second image at 30 Hz.
+  double interval = 0.0;
   yolox::DecodeOptions decode;
   ClassTable classes;
 

@@ -112,7 +112,7 @@ void FramePipeline::detect() {
   while (std::optional<PreparedFrame> prepared = extracted_.pop()) {
     const Stopwatch watch;
     prepared->detections = run_detector(prepared->frame);
-    prepared->detection_ms = watch.ms();
+    if (prepared->detections.answered) prepared->detection_ms = watch.ms();
     if (!detected_.push(std::move(*prepared))) return;
   }
 }
@@ -130,6 +130,7 @@ DetectionResult FramePipeline::run_detector(const RgbdFrame& frame) {
   result.timestamp = frame.timestamp;
   if (!detector_) return result;
   try {
+    if (!detector_->looks_at(frame)) return result;
     result.detections = usable_detections(detector_->detect(frame), frame.colour.size());
     result.answered = true;
   } catch (const std::exception& error) {

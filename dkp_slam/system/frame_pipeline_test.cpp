@@ -52,6 +52,24 @@ TEST(FramePipeline, WithoutADetectorThereIsNoAnswer) {
   }
 }
 
+/// Looks at every third frame.
+class RareDetector : public IndexDetector {
+ public:
+  bool looks_at(const RgbdFrame& frame) override { return frame.index % 3 == 0; }
+};
+
+TEST(FramePipeline, AFrameThatTheDetectorDoesNotLookAtHasNoAnswer) {
+  FramePipeline pipeline(std::make_unique<RareDetector>(), {}, offline);
+  for (int i = 0; i < 7; ++i) {
+    pipeline.push(noise_frame(i));
+    const auto frame = pipeline.next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->detections.answered, i % 3 == 0);
+    EXPECT_EQ(frame->detections.detections.size(), i % 3 == 0 ? 1U : 0U);
+    if (i % 3 != 0) EXPECT_EQ(frame->detection_ms, 0.0);
+  }
+}
+
 TEST(FramePipeline, ADetectorThatThrowsIsNotCalledAgain) {
   struct NoStandardException {};
   const std::function<void()> failures[] = {[] { throw Error("out of memory"); },

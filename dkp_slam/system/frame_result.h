@@ -48,9 +48,10 @@ struct FrameResult {
   int detections = 0;   ///< in this frame, scores high enough to start an object
   int compensated = 0;  ///< objects carried without a detection
   bool keyframe = false;
-  int map_keyframes = 0, map_landmarks = 0;     ///< in all maps, after the frame
-  double decode_ms = 0.0;                       ///< RgbdFrame::decode_ms
-  double feature_ms = 0.0, detection_ms = 0.0;  ///< in threads ahead of the tracker
+  int map_keyframes = 0, map_landmarks = 0;  ///< in all maps, after the frame
+  double decode_ms = 0.0;                    ///< RgbdFrame::decode_ms
+  /// In threads ahead of the tracker; `detection_ms` is 0 where the detector did not look.
+  double feature_ms = 0.0, detection_ms = 0.0;
   double clustering_ms = 0.0, removal_ms = 0.0, tracking_ms = 0.0;
   double frame_ms = 0.0;    ///< from the last frame's end to this one's, all threads working
   double latency_ms = 0.0;  ///< from `feed` to this result

@@ -24,6 +24,14 @@ class YoloxDetector : public Detector {
 
   std::string name() const override { return "yolox (" + network_->name() + ")"; }
 
+  bool looks_at(const RgbdFrame& frame) override {
+    // A clock that was set back must not blind it.
+    const bool due = !last_look_ || frame.timestamp < *last_look_ ||
+                     frame.timestamp - *last_look_ >= options_.interval;
+    if (due) last_look_ = frame.timestamp;
+    return due;
+  }
+
   std::vector<Detection> detect(const RgbdFrame& frame) override {
     if (frame.colour.empty() || frame.colour.type() != CV_8UC3) {
       throw Error("YOLOX needs a colour image of 3 channels with 8 bits each");
@@ -37,6 +45,7 @@ class YoloxDetector : public Detector {
  private:
   std::unique_ptr<YoloxNetwork> network_;
   YoloxOptions options_;
+  std::optional<double> last_look_;  // seconds
   cv::Mat scratch_;
 };
 
