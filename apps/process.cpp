@@ -9,6 +9,7 @@
 #include <new>
 #include <system_error>
 
+#include <execinfo.h>
 #include <fcntl.h>
 #include <glog/logging.h>
 #include <spdlog/sinks/base_sink.h>
@@ -58,6 +59,10 @@ void prepare_process() {
   // damaged tells a user nothing: what follows from it is said by us.
   FLAGS_minloglevel = google::GLOG_FATAL;
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  // glibc opens what unwinds the stack when an exception or a thread's end first needs it, and
+  // aborts where there is no memory left for that; a first look at the stack makes it do so now.
+  void* frame = nullptr;
+  backtrace(&frame, 1);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
 }
