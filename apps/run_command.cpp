@@ -276,8 +276,11 @@ void run(RunOptions options) {
   if (options.overlay) {
     observers.overlay = std::make_shared<OverlayWriter>(options.out, options.overlay_every);
   }
-  remove_masks(options.out);
-  if (options.save_masks) observers.masks = std::make_shared<MaskWriter>(options.out);
+  if (options.save_masks) {
+    observers.masks = std::make_shared<MaskWriter>(options.out);
+  } else {
+    remove_masks(options.out);
+  }
 
   RunLog log(options.out);
   observers.detections = std::make_shared<DetectionLog>(log);

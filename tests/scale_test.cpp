@@ -5,30 +5,18 @@
 #include <gtest/gtest.h>
 
 #include "dkp_slam/geometry/sensor_scale.h"
-#include "dkp_slam/synth/true_detections.h"
+#include "tests/support/exact_boxes.h"
 #include "tests/support/recording.h"
 #include "tests/support/run.h"
 
 namespace dkp_slam {
 namespace {
 
+using testing::ExactBoxes;
 using testing::motion_detector;
 using testing::Outcome;
 using testing::Recording;
 using testing::run;
-
-/// Knows the exact box of everybody.
-class ExactBoxes : public Detector {
- public:
-  explicit ExactBoxes(const Recording& room) : room_(room) {}
-  std::string name() const override { return "exact boxes"; }
-  std::vector<Detection> detect(const RgbdFrame& frame) override {
-    return true_detections(room_.truths.at(static_cast<std::size_t>(frame.index)));
-  }
-
- private:
-  const Recording& room_;
-};
 
 /// The same three seconds, from the time on when somebody gets up and walks up to the camera, as a
 /// camera of that size and rate sees them.

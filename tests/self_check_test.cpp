@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "dkp_slam/synth/true_detections.h"
+#include "tests/support/exact_boxes.h"
 #include "tests/support/honesty.h"
 #include "tests/support/recording.h"
 #include "tests/support/run.h"
@@ -21,22 +21,10 @@
 namespace dkp_slam {
 namespace {
 
+using testing::ExactBoxes;
 using testing::Honesty;
 using testing::Outcome;
 using testing::Recording;
-
-/// Knows the exact box of everybody.
-class ExactBoxes : public Detector {
- public:
-  explicit ExactBoxes(const Recording& room) : room_(room) {}
-  std::string name() const override { return "exact boxes"; }
-  std::vector<Detection> detect(const RgbdFrame& frame) override {
-    return true_detections(room_.truths.at(static_cast<std::size_t>(frame.index)));
-  }
-
- private:
-  const Recording& room_;
-};
 
 /// Plays frames as something makes of them what else the camera might have seen.
 class ChangedSource : public RgbdSource {

@@ -10,7 +10,7 @@ std::string without_full_stop(std::string text) {
   return text;
 }
 
-/// The names in "TEXT:{off,masks}"; of "{0,1}" pairs "value,name" CLI11 makes none here.
+/// The names in "TEXT:{off,masks}".
 std::vector<std::string> choices_of(const std::string& type) {
   const auto open = type.find('{'), close = type.find('}', open);
   if (open == std::string::npos || close == std::string::npos) return {};
