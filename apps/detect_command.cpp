@@ -10,14 +10,15 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "apps/commands.h"
 #include "apps/process.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/sensor/image_reader.h"
+#include "dkp_slam/sensor/png_encoder.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
@@ -93,9 +94,8 @@ double detect_one(Detector& detector, const fs::path& path, const cv::Mat& image
     cv::Mat annotated = image.clone();
     // Strongest last, on top.
     std::for_each(found.rbegin(), found.rend(), [&](const Detection& d) { draw(annotated, d); });
-    if (!cv::imwrite(out.string(), annotated)) {
-      throw Error("cannot write '" + out.string() + "'; is the disk full?");
-    }
+    const std::vector<std::uint8_t> png = encode_png(annotated);
+    write_file_atomically(out, {reinterpret_cast<const char*>(png.data()), png.size()});
   }
   return taken.count();
 }

@@ -1,6 +1,7 @@
 #include "apps/run_command.h"
 
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "apps/config_options.h"
 #include "apps/file_observer.h"
 #include "apps/live_path.h"
+#include "apps/preloaded_source.h"
 #include "apps/process.h"
 #include "apps/progress.h"
 #include "apps/run_map.h"
@@ -33,16 +35,11 @@
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/system/playback.h"
 #include "dkp_slam/system/slam.h"
+#include "dkp_slam/trace.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
 namespace {
-
-std::vector<std::string> names_of_modes() {
-  std::vector<std::string> names;
-  for (const ModeInfo& m : dynamics_modes()) names.emplace_back(m.name);
-  return names;
-}
 
 /// The detector, with all that was left open filled into `config`. Null for none.
 std::unique_ptr<Detector> choose_detector(const RunOptions& options, SlamConfig& config) {
@@ -137,6 +134,7 @@ RunTotals play_run(RgbdSource& source, Slam& slam, const RunObservers& observers
                    const PlaybackOptions& playback) {
   RunTotals totals;
   Progress progress("run", source.size());
+  const std::clock_t begin = std::clock();  // processor time of all threads
   try {
     play(source, slam, playback, [&](const FrameResult& result) {
       totals.add(result);
@@ -150,6 +148,7 @@ RunTotals play_run(RgbdSource& source, Slam& slam, const RunObservers& observers
   } catch (const std::exception& error) {
     totals.failure = message_of(error);
   }
+  totals.processor_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   totals.skipped_frames = source.skipped();
   totals.frames_without_mask = source.without_mask();
   const SlamCounters counters = slam.counters();
@@ -209,6 +208,9 @@ void check_source(const RunOptions& options, const SlamConfig& config) {
   }
   if (options.rate && socket) {
     throw CLI::ValidationError("--rate", "not with a socket, whose driver says how fast it goes");
+  }
+  if (options.preload && (is_stream(options.sequence) || options.view.wanted)) {
+    throw CLI::ValidationError("--preload", "needs a folder, and no --view, which may pause it");
   }
   if (!options.masks.empty() && is_stream(options.sequence)) {
     throw CLI::ValidationError("--masks",
@@ -272,6 +274,9 @@ void run(RunOptions options) {
   const std::string detector_name = detector ? detector->name() : "none";
   const auto view = open_view(options, config, *opened.source, detector_name);
   if (view) opened.source = view->gated(std::move(opened.source));
+  if (options.preload) {
+    opened.source = std::make_unique<PreloadedSource>(std::move(opened.source));
+  }
   prepare_run_folder(options.out);
   if (options.overlay) {
     observers.overlay = std::make_shared<OverlayWriter>(options.out, options.overlay_every);
@@ -282,6 +287,8 @@ void run(RunOptions options) {
     remove_masks(options.out);
   }
 
+  std::optional<TraceRecording> trace;  // outlives the threads that it records
+  if (!options.profile.empty()) trace.emplace(options.profile);
   RunLog log(options.out);
   observers.detections = std::make_shared<DetectionLog>(log);
   observers.path = std::make_shared<LivePath>(options.out);
@@ -323,106 +330,11 @@ void run(RunOptions options) {
   if (view) view->scene().finish(result.trajectory);
   std::fputs(summary_text(result, options.out).c_str(), stdout);
   std::fflush(stdout);
+  if (trace) trace->finish();
   if (view && options.view.stay) view->stay();
   if (const std::string problem = verdict(result.totals); !problem.empty()) {
     throw Error(fmt::format("{} ({} holds what there is)", problem, options.out.string()));
   }
-}
-
-namespace {
-
-void add_source_options(CLI::App& command, RunOptions& options) {
-  auto* sequence =
-      command.add_option("SEQUENCE", options.sequence,
-                         "Folder in TUM RGB-D format, or - for a frame stream on the standard "
-                         "input (docs/frame-stream.md)");
-  command
-      .add_option("--source", options.sequence,
-                  "Instead of SEQUENCE: a socket to listen at for a driver's frame stream, "
-                  "unix:PATH, tcp:PORT (of this machine alone) or tcp:HOST:PORT; in real time")
-      ->excludes(sequence);
-  command.add_flag("--offline", options.offline,
-                   "With a socket: drop no frame, let the driver wait");
-  command
-      .add_option("--reconnect", options.reconnect,
-                  "Seconds that a socket waits for a driver that was cut off to come back")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
-}
-
-void add_detector_options(CLI::App& command, RunOptions& options) {
-  auto* recorded = command.add_option(
-      "--detections", options.detections,
-      "Boxes of this file instead of a detector's, as in an earlier run's detections.txt");
-  auto* detector =
-      add_shortcut(
-          command, options.config, "--detector", "detector.kind",
-          "What finds objects that may move: auto (YOLOX when there is a model, else motion), "
-          "yolox, motion or none")
-          ->check(CLI::IsMember({"auto", "yolox", "motion", "none"}))
-          ->default_str("auto")
-          ->excludes(recorded);
-  auto* model =
-      add_shortcut(command, options.config, "--model", "detector.yolox.model",
-                   "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
-  add_shortcut(command, options.config, "--provider", "detector.yolox.provider",
-               "Execution provider of ONNX Runtime: cpu, cuda or tensorrt")
-      ->check(CLI::IsMember({"cpu", "cuda", "tensorrt"}))
-      ->default_str("cpu");
-  command.add_option("--classes", options.classes,
-                     "Weight of each class (YAML, see config/classes.yaml)");
-  command
-      .add_option("--masks", options.masks,
-                  "Mode masks: folder of somebody's segmentation instead of a detector, for each "
-                  "colour image a PNG of its name, 8-bit grey, 0 on what is static")
-      ->excludes(recorded)
-      ->excludes(detector)
-      ->excludes(model);
-}
-
-}  // namespace
-
-void add_run_options(CLI::App& command, RunOptions& options) {
-  command.add_option("--camera", options.camera,
-                     "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else the stream's "
-                     "own, or SEQUENCE/camera.yaml, else by the folder's name");
-  add_shortcut(command, options.config, "--mode", "mode",
-               "What is removed: off (nothing), masks (what --masks say), paper (the paper to the "
-               "letter), d (boxes), dk "
-               "(clustered masks), dkp (region and epipolar rule), dkp+ (ours); docs/modes.md")
-      ->check(CLI::IsMember(names_of_modes()).description(mode_names()))
-      ->default_str("dkp+");
-  add_detector_options(command, options);
-  auto* realtime =
-      add_flag_shortcut(command, options.config, "--realtime", "realtime",
-                        "Play by the time stamps, drop what comes too late, wait for nothing");
-  command.add_option(
-      "--rate", options.rate,
-      "With --realtime: so many times as fast as it was recorded, above 0 and at most 100; "
-      "default: 1");
-  command
-      .add_flag(
-          "--one-at-a-time", options.one_at_a_time,
-          "Read a frame when the one before is done: slower, but each stage's time is its own")
-      ->excludes(realtime);
-  add_shortcut(command, options.config, "--seed", "seed", "Seed of everything random")
-      ->default_str("1");
-  add_config_options(command, options.config);
-  auto* map = command.add_option("--map", options.map,
-                                 "Map file: go on with it where it is there, make it where it is "
-                                 "not, and keep it up to date all the time");
-  command
-      .add_option("--localize", options.localize,
-                  "Map file: only find the camera in it, and leave it as it is")
-      ->excludes(map);
-  command.add_flag("--save-masks", options.save_masks,
-                   "Keep the mask of every frame in OUT/masks, for `export --dense`");
-  auto* overlay = command.add_flag("--overlay", options.overlay,
-                                   "Pictures of boxes, masks and features in OUT/overlay");
-  command.add_option("--overlay-every", options.overlay_every, "Frames from picture to picture")
-      ->check(CLI::Range(1, 1000000))
-      ->needs(overlay)
-      ->capture_default_str();
 }
 
 void add_run_command(CLI::App& program) {

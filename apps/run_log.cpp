@@ -27,6 +27,7 @@ constexpr std::array columns = {
     Column{"removal", &FrameResult::removal_ms},
     Column{"tracking", &FrameResult::tracking_ms},
     Column{"frame", &FrameResult::frame_ms},
+    Column{"latency", &FrameResult::latency_ms},
 };
 
 std::string header() {

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <CLI/CLI.hpp>
+
 #include "apps/config_options.h"
 #include "apps/run_view.h"
 
@@ -23,10 +25,18 @@ struct RunOptions {
   bool offline = false;        ///< drop no frame of a socket
   double reconnect = 30.0;     ///< seconds that a socket waits for a driver to come back
   bool one_at_a_time = false;
+  bool preload = false;  ///< read all images before the first frame
   bool overlay = false;
   bool save_masks = false;
-  int overlay_every = 30;  ///< frames; one picture a second
+  int overlay_every = 30;         ///< frames; one picture a second
+  std::filesystem::path profile;  ///< trace of all stages and threads; empty for none
   ViewOptions view;
 };
+
+/// Adds what names the source: SEQUENCE, --source and how a socket is treated.
+void add_source_options(CLI::App& command, RunOptions& options);
+
+/// Adds every other option of `dkp-slam run` but for --out and those of the view.
+void add_run_options(CLI::App& command, RunOptions& options);
 
 }  // namespace dkp_slam::apps

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/overlay.h"
 #include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/sensor/png_encoder.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
@@ -44,9 +44,8 @@ OverlayWriter::OverlayWriter(const fs::path& out, int every)
 void OverlayWriter::on_frame(const std::shared_ptr<const FrameSnapshot>& snapshot) {
   if (snapshot->frame.index % every_ != 0) return;
   guard([&] {
-    std::vector<unsigned char> png;
-    cv::imencode(".png", draw_overlay(snapshot->frame, snapshot->keypoints, snapshot->dynamics),
-                 png);
+    const std::vector<std::uint8_t> png =
+        encode_png(draw_overlay(snapshot->frame, snapshot->keypoints, snapshot->dynamics));
     write_file_atomically(folder_ / picture_name(snapshot->frame.index),
                           {reinterpret_cast<const char*>(png.data()), png.size()});
     ++pictures_;

@@ -96,6 +96,8 @@ nlohmann::ordered_json summary_json(const RunResult& result) {
   nlohmann::ordered_json medians;
   for (const StageMedian& m : result.medians) medians[m.stage] = rounded(m.ms, 1000.0);
   json["median_ms"] = medians;
+  const double frames = std::max<double>(1.0, static_cast<double>(totals.frames));
+  json["processor_ms_per_frame"] = rounded(1000.0 * totals.processor_s / frames, 1000.0);
   json["peak_memory_mb"] = rounded(peak_memory_mb(), 10.0);
   return json;
 }

@@ -25,7 +25,8 @@ struct RunTotals {
   std::size_t frames_without_mask = 0;  ///< of masks that were given
   int dropped_frames = 0;               ///< too late in real time
   int detector_failures = 0;
-  int pictures = 0;  ///< of the overlay
+  int pictures = 0;          ///< of the overlay
+  double processor_s = 0.0;  ///< of all threads, from the first frame to the last adjustment
   bool interrupted = false;
   std::string failure;  ///< what ended the run early; empty when nothing did
 

@@ -1,7 +1,8 @@
 // Files of networks, as far as they are read here.
-#include "dkp_slam/detection/yolox/onnx_input_shape.h"
+#include "dkp_slam/detection/yolox/onnx_shapes.h"
 #include "dkp_slam/detection/yolox/tiny_onnx.h"
 #include "dkp_slam/detection/yolox/yolox_decode.h"
+#include "dkp_slam/detection/yolox/yolox_model.h"
 #include "fuzz/target.h"
 
 namespace dkp_slam::fuzz {
@@ -14,6 +15,10 @@ void run(Bytes bytes) {
     const cv::Size size = yolox::check_shapes("model.onnx", shape, output);
     require(yolox::row_count(size) == output[1], "a size that does not belong to the output");
   });
+  const std::string cut = yolox::cut_to_images(std::string(text_of(bytes)), {64, 32});
+  if (cut.empty()) return;
+  const std::vector<std::int64_t> part = onnx_input_shape(cut);
+  require(part.size() == 4 && part[2] <= shape[2] && part[3] <= shape[3], "a cut that is no cut");
 }
 
 std::vector<std::string> seeds() {

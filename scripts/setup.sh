@@ -45,7 +45,7 @@ note() { did+=("$1"); echo "== $1"; }
 packages=(
   ca-certificates ccache cmake curl g++ git libcpp-httplib-dev make ninja-build
   libceres-dev libcli11-dev libdeflate-dev libeigen3-dev libembree-dev libfmt-dev libgmock-dev libgtest-dev
-  libopencv-dev libspdlog-dev libsqlite3-dev libyaml-cpp-dev nlohmann-json3-dev pkg-config
+  libopencv-dev libpng-dev libspdlog-dev libsqlite3-dev libturbojpeg0-dev libyaml-cpp-dev nlohmann-json3-dev pkg-config
 )
 if [ "$with_checks" -eq 1 ]; then packages+=(clang-format clang-tidy shellcheck); fi
 for extra in "${extras[@]}"; do

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/detection/class_table.h"
+#include "dkp_slam/sensor/jpeg_codec.h"
 #include "viewer/container.h"
 
 namespace dkp_slam::viewer {
@@ -83,8 +83,7 @@ std::string encode_picture(const FrameSnapshot& snapshot, int most_width, int qu
     const double factor = static_cast<double>(most_width) / size.width;
     cv::resize(snapshot.frame.colour, small, {}, factor, factor, cv::INTER_AREA);
   }
-  std::vector<unsigned char> jpeg;
-  cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality});
+  const std::vector<unsigned char> jpeg = encode_jpeg(small, quality);
   Container container;
   container.add("features", feature_numbers(snapshot, size));
   container.add("jpeg", jpeg);

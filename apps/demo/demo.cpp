@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "apps/progress.h"
 #include "dkp_slam/error.h"
@@ -19,6 +18,7 @@
 #include "dkp_slam/evaluation/measure/timings.h"
 #include "dkp_slam/evaluation/relative_error.h"
 #include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/sensor/image_reader.h"
 
 namespace dkp_slam::apps {
 namespace {
@@ -184,6 +184,7 @@ std::vector<DemoFrame> choose_frames(const DemoRun& off, const DemoRun& best) {
   }
   std::sort(indices.begin(), indices.end());
   std::vector<DemoFrame> frames;
+  ImageReader reader;
   for (std::size_t part = 0; part < sample_frames; ++part) {
     const auto first =
         indices.begin() + static_cast<std::ptrdiff_t>(part * indices.size() / sample_frames);
@@ -194,8 +195,8 @@ std::vector<DemoFrame> choose_frames(const DemoRun& off, const DemoRun& best) {
     });
     if (most == last) continue;
     const std::string name = fmt::format("frame_{:06}.png", *most);
-    DemoFrame frame{*most, cv::imread((off.overlay / name).string(), cv::IMREAD_COLOR),
-                    cv::imread((best.overlay / name).string(), cv::IMREAD_COLOR)};
+    DemoFrame frame{*most, reader.read_colour(off.overlay / name).image,
+                    reader.read_colour(best.overlay / name).image};
     if (!frame.off.empty() && !frame.best.empty()) frames.push_back(frame);
   }
   return frames;

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "apps/demo/demo.h"
-#include "dkp_slam/error.h"
+#include "dkp_slam/sensor/png_decoder.h"
+#include "dkp_slam/sensor/png_encoder.h"
 
 namespace dkp_slam::apps {
 namespace {
@@ -99,12 +99,12 @@ std::string demo_picture(const DemoResult& result) {
   draw_charts(*canvas, result);
   draw_frames(*canvas, result);
   const std::string large = canvas->encode();
-  const cv::Mat page =
-      cv::imdecode(std::vector<uchar>(large.begin(), large.end()), cv::IMREAD_COLOR);
-  cv::Mat small;
+  cv::Mat page, small;
+  std::string problem;
+  PngDecoder().decode({reinterpret_cast<const std::uint8_t*>(large.data()), large.size()}, &page,
+                      &problem);
   cv::resize(page, small, {demo_picture_width, demo_picture_height}, 0, 0, cv::INTER_AREA);
-  std::vector<uchar> png;
-  if (!cv::imencode(".png", small, png)) throw Error("the picture cannot be encoded as PNG");
+  const std::vector<std::uint8_t> png = encode_png(small, PngSize::small);
   return {png.begin(), png.end()};
 }
 

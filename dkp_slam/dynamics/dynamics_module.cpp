@@ -11,6 +11,7 @@
 #include "dkp_slam/dynamics/parts.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/stopwatch.h"
+#include "dkp_slam/trace.h"
 
 namespace dkp_slam {
 namespace {
@@ -45,6 +46,8 @@ struct DynamicsModule::State {
   MotionHistory history;    // carries answers about earlier images
   cv::Mat previous_labels;  // Work::labels of the frame before
 
+  std::vector<std::uint8_t> features_to_follow(const Work& work,
+                                               const std::vector<cv::Rect2f>& hidden) const;
   void track(const cv::Mat& grey, const DetectionResult& answer, Work& work);
   std::optional<Se3> measure_ego_motion(Work& work);
   void cut_masks(Work& work);
@@ -53,14 +56,26 @@ struct DynamicsModule::State {
   void follow_given_masks(const cv::Mat& grey, Work& work, FrameDynamics& result);
 };
 
+/// Flags of the features whose motion is asked for; empty for all. Where nothing is known to move
+/// some tell the camera's motion, and whether anything does.
+std::vector<std::uint8_t> DynamicsModule::State::features_to_follow(
+    const Work& work, const std::vector<cv::Rect2f>& hidden) const {
+  const int most = options.motion.followed_outside;
+  if (!parts.follow_some || most == 0) return {};
+  constexpr float margin = 24.0F;  // pixels that a box or its owner may have moved
+  return thinned_outside(work.points, hidden, margin, work.frame.depth, most);
+}
+
 /// Flow of the features, and the objects carried along with it into this frame.
 void DynamicsModule::State::track(const cv::Mat& grey, const DetectionResult& answer, Work& work) {
+  const TraceSpan span("flow");
   const double time = work.frame.timestamp;
   std::vector<cv::Rect2f> hidden = parts.objects->self_moving_boxes();  // of the frame before
   for (const Detection& d : answer.detections) {
     if (d.weight >= options.compensation.self_moving_weight) hidden.push_back(d.box);
   }
-  work.motion = parts.motion->track(grey, work.frame.depth, work.points, hidden, time);
+  work.motion = parts.motion->track(grey, work.frame.depth, work.points, hidden,
+                                    features_to_follow(work, hidden), time);
   work.view = make_depth_view(work.frame.depth, rays);
   history.add(time, work.view, work.points, work.motion.tracks);
   parts.objects->update(time, size, answer,
@@ -71,6 +86,7 @@ void DynamicsModule::State::track(const cv::Mat& grey, const DetectionResult& an
 
 /// The camera at this frame from the one before, when what lies outside the objects can tell.
 std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
+  const TraceSpan span("ego-motion");
   std::vector<std::uint8_t> support =
       outside_boxes(work.points, parts.objects->self_moving_boxes());
   std::vector<std::uint8_t> doubtful(support.size());
@@ -84,6 +100,12 @@ std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
   }
   parts.motion->measure_ego_motion(work.frame.depth, work.points, support, work.seed, work.motion);
   parts.planes->move(parts.motion->current_from_previous() * expected.inverse());
+  if (parts.follow_some) {
+    parts.motion->follow_more(
+        work.frame.depth, work.points,
+        near_moving(work.points, work.motion.residual, options.surfaces.moving_short, size),
+        work.motion);
+  }
   if (parts.long_baseline) {
     parts.motion->look_back(work.frame.depth, work.points, doubtful, work.motion);
   }
@@ -94,6 +116,7 @@ std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
 
 /// Cuts the objects out, where there is anything to cut out.
 void DynamicsModule::State::cut_masks(Work& work) {
+  const TraceSpan span("masks");
   cv::Mat covered = parts.objects->cover(rays.size());
   const bool worth_a_look = parts.surfaces && parts.surfaces->worth_a_look(work.motion);
   if (covered.empty() && !worth_a_look) {
@@ -119,6 +142,7 @@ void DynamicsModule::State::cut_masks(Work& work) {
 
 /// Tells static features from dynamic ones.
 void DynamicsModule::State::classify(Work& work, FrameDynamics& result) {
+  const TraceSpan span("removal");
   std::vector<ObjectRegions> regions;
   for (const DynamicObject& o : result.objects) {
     regions.push_back({o.box, o.weight, o.moves_by_itself});
@@ -158,7 +182,7 @@ void DynamicsModule::State::measure_ego_motion_again(Work& work, FrameDynamics& 
 void DynamicsModule::State::follow_given_masks(const cv::Mat& grey, Work& work,
                                                FrameDynamics& result) {
   const RgbdFrame& frame = work.frame;
-  work.motion = parts.motion->track(grey, frame.depth, work.points, {}, frame.timestamp);
+  work.motion = parts.motion->track(grey, frame.depth, work.points, {}, {}, frame.timestamp);
   work.labels = parts.given_masks->labels(frame, work.points, work.motion.tracks);
   result.mask = work.labels > 0;
   classify(work, result);

@@ -168,6 +168,7 @@ TEST(DynamicsModule, SeesTheCameraMoveBesideMasksWhereTooLittleLiesBesideBoxes) 
   options.clustering.planes.max_planes = 0;  // no wall that would tell
   options.motion.min_low_points = 840;       // outside the box lie 800, outside his mask 890
   options.motion.enough_outside = 2000;
+  options.motion.followed_outside = 0;  // all
   DynamicsModule module(test_camera(), options, 1);
   for (int i = 0; i < 4; ++i) {
     World::View v = world.at(i);

@@ -38,6 +38,7 @@ DynamicsParts common_parts(const Camera& camera, const DynamicsOptions& options)
   parts.objects = std::make_unique<ObjectTracker>(options.compensation);
   parts.motion = std::make_unique<FeatureMotionEstimator>(camera, options.motion);
   parts.ego_motion = true;
+  parts.follow_some = true;
   parts.planes = std::make_unique<StaticPlanes>(options.static_planes, options.clustering.planes);
   parts.masks = std::make_unique<MaskCutter>(options.clustering, camera.fx);
   return parts;
@@ -72,6 +73,7 @@ DynamicsParts make_parts(const Camera& camera, const DynamicsOptions& given) {
       parts.classifier = std::make_unique<MaskRule>();
       break;
     case DynamicsMode::dkp:
+      parts.follow_some = false;  // its F is of all matches
       parts.classifier = std::make_unique<EpipolarRule>(options.epipolar, options.regions,
                                                         options.removal.epsilon);
       break;

@@ -21,6 +21,7 @@ namespace dkp_slam {
 struct DynamicsParts {
   std::unique_ptr<ObjectTracker> objects;          ///< §3.3: boxes from frame to frame
   std::unique_ptr<FeatureMotionEstimator> motion;  ///< flow of the features
+  bool follow_some = false;    ///< of the features where nothing is known to move
   bool ego_motion = false;     ///< measured from what is static: predicts, undoes the shutter
   bool long_baseline = false;  ///< residuals over `FeatureMotionOptions::long_baseline` as well
   std::unique_ptr<StaticPlanes> planes;                 ///< tables, floor, walls

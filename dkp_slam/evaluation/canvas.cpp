@@ -5,10 +5,11 @@
 #include <iterator>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/sensor/jpeg_codec.h"
+#include "dkp_slam/sensor/png_encoder.h"
 
 namespace dkp_slam {
 namespace {
@@ -153,10 +154,7 @@ class PngCanvas : public Canvas {
     cv::Mat small;
     cv::resize(image_, small, cv::Size(image_.cols / oversampling, image_.rows / oversampling), 0,
                0, cv::INTER_AREA);
-    std::vector<uchar> bytes;
-    if (!cv::imencode(".png", small, bytes)) {
-      throw Error("the plot cannot be encoded as PNG; ask for .svg instead");
-    }
+    const std::vector<std::uint8_t> bytes = encode_png(small, PngSize::small);
     return {bytes.begin(), bytes.end()};
   }
 
@@ -211,12 +209,7 @@ std::string escaped(const std::string& text) {
 }
 
 std::string data_uri(const cv::Mat& picture, int quality) {
-  std::vector<uchar> bytes;
-  if (picture.empty() ||
-      !cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, quality})) {
-    throw Error("a picture cannot be encoded as JPEG for the page; is it empty?");
-  }
-  return "data:image/jpeg;base64," + base64(bytes);
+  return "data:image/jpeg;base64," + base64(encode_jpeg(picture, quality));
 }
 
 std::unique_ptr<Canvas> svg_canvas(int width, int height) {

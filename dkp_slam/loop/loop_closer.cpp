@@ -32,9 +32,10 @@ LoopCloser::LoopCloser(const LoopCloserOptions& options, std::uint64_t seed, boo
       seed_(seed),
       realtime_(realtime),
       detector_(options.detector),
-      aligner_([](Meeting meeting, const std::atomic<bool>&) { return align(std::move(meeting)); }),
-      solver_([weight = options.loop_weight, graph = options.graph](const Problem& problem,
-                                                                    const std::atomic<bool>& stop) {
+      aligner_("loop alignment",
+               [](Meeting meeting, const std::atomic<bool>&) { return align(std::move(meeting)); }),
+      solver_("pose graph", [weight = options.loop_weight, graph = options.graph](
+                                const Problem& problem, const std::atomic<bool>& stop) {
         return Solution{problem.graph.solve(problem.loops, weight, graph, &stop),
                         problem.graph.first_later()};
       }) {}

@@ -15,7 +15,7 @@ FullAdjustment::FullAdjustment(const Camera& camera, const MeasurementModel& mod
       model_(model),
       options_(options),
       realtime_(realtime),
-      worker_([this](FullBundle bundle, const std::atomic<bool>& stop) {
+      worker_("full adjustment", [this](FullBundle bundle, const std::atomic<bool>& stop) {
         return solve(std::move(bundle), stop);
       }) {}
 

@@ -17,8 +17,8 @@ Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
       options_(options),
       realtime_(realtime),
       full_adjustment_(map.camera(), model, options.full, realtime),
-      worker_([camera = map.camera(), model, bundle = options.bundle](
-                  BundleProblem problem, const std::atomic<bool>& stop) {
+      worker_("adjustment", [camera = map.camera(), model, bundle = options.bundle](
+                                BundleProblem problem, const std::atomic<bool>& stop) {
         BundleSolution solution = adjust_bundle(camera, model, problem, bundle, &stop);
         return Adjusted{std::move(problem), std::move(solution)};
       }) {}

@@ -250,7 +250,7 @@ TEST_F(Mapping, TheWorkerSolvesWhatASingleThreadSolves) {
   const BundleProblem problem = full_bundle(map, MeasurementModel(), 0);
   const BundleSolution expected = adjust_bundle(world.camera, MeasurementModel(), problem);
   Worker<BundleProblem, BundleSolution> worker(
-      [&](const BundleProblem& asked, const std::atomic<bool>& stop) {
+      "test", [&](const BundleProblem& asked, const std::atomic<bool>& stop) {
         return adjust_bundle(world.camera, MeasurementModel(), asked, {}, &stop);
       });
   for (int i = 0; i < 3; ++i) {

@@ -11,6 +11,8 @@
 #include <thread>
 #include <utility>
 
+#include "dkp_slam/trace.h"
+
 namespace dkp_slam {
 
 /// A thread that solves one problem at a time. Problem and solution are values handed over under
@@ -22,7 +24,9 @@ class Worker {
   /// once that is set: what it then returns is dropped.
   using Solve = std::function<Solution(Problem problem, const std::atomic<bool>& stop)>;
 
-  explicit Worker(Solve solve) : solve_(std::move(solve)), thread_([this] { work(); }) {}
+  /// `name`, which must outlive the worker, is the thread's and that of its work in traces.
+  Worker(const char* name, Solve solve)
+      : name_(name), solve_(std::move(solve)), thread_([this] { work(); }) {}
   ~Worker() {
     abandon();
     {
@@ -84,6 +88,7 @@ class Worker {
   };
 
   void work() {
+    name_thread(name_);
     std::unique_lock lock(mutex_);
     while (true) {
       changed_.wait(lock, [&] { return closing_ || job_; });
@@ -95,6 +100,7 @@ class Worker {
       std::optional<Solution> solution;
       std::exception_ptr failure;
       try {
+        const TraceSpan span(name_);
         solution.emplace(solve_(std::move(problem), *stop));
       } catch (...) {
         failure = std::current_exception();
@@ -107,6 +113,7 @@ class Worker {
     }
   }
 
+  const char* name_;
   const Solve solve_;
   bool pending_ = false;                     // of the submitting thread alone
   std::shared_ptr<std::atomic<bool>> stop_;  // of the job submitted last

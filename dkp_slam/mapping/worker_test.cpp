@@ -10,10 +10,10 @@ namespace {
 /// Doubles a number, once it is let through.
 struct Doubler {
   std::atomic<bool> gate{false};
-  Worker<int, int> worker{[this](int problem, const std::atomic<bool>& stop) {
-    while (!gate && !stop) std::this_thread::yield();
-    return 2 * problem;
-  }};
+  Worker<int, int> worker{"test", [this](int problem, const std::atomic<bool>& stop) {
+                            while (!gate && !stop) std::this_thread::yield();
+                            return 2 * problem;
+                          }};
 };
 
 TEST(WorkerTest, SolvesOneProblemAfterTheOther) {
@@ -52,7 +52,7 @@ TEST(WorkerTest, ASolutionThatWaitsCanBeAbandoned) {
 }
 
 TEST(WorkerTest, WhatSolvingThrowsIsThrownWhereItIsTaken) {
-  Worker<int, int> worker([](int problem, const std::atomic<bool>&) {
+  Worker<int, int> worker("test", [](int problem, const std::atomic<bool>&) {
     if (problem == 1) throw std::bad_alloc();
     return problem;
   });
@@ -69,7 +69,7 @@ TEST(WorkerTest, WhatSolvingThrowsIsThrownWhereItIsTaken) {
 TEST(WorkerTest, ItsEndStopsWhatIsUnderWay) {
   std::atomic<bool> at_work{false}, told{false};
   {
-    Worker<int, int> worker([&](int, const std::atomic<bool>& stop) {
+    Worker<int, int> worker("test", [&](int, const std::atomic<bool>& stop) {
       at_work = true;
       while (!stop) std::this_thread::yield();
       told = true;

@@ -1,36 +1,12 @@
 #pragma once
 
 #include <atomic>
-#include <vector>
 
-#include "dkp_slam/geometry/se3.h"
-#include "dkp_slam/optimization/observation.h"
+#include "dkp_slam/optimization/bundle_problem.h"
 
 namespace dkp_slam {
 
 class OptionList;
-
-/// A bundle adjustment as plain values: a snapshot of a part of the map, which another thread can
-/// solve while the map goes on changing.
-struct BundleProblem {
-  struct Pose {
-    int keyframe = -1;  ///< id in the map
-    Se3 camera_from_world;
-    bool fixed = false;
-  };
-  struct Point {
-    int landmark = -1;  ///< id in the map
-    Eigen::Vector3d position;
-  };
-  struct Sighting {
-    int pose = -1;   ///< index into poses
-    int point = -1;  ///< index into points
-    Observation seen;
-  };
-  std::vector<Pose> poses;
-  std::vector<Point> points;
-  std::vector<Sighting> sightings;
-};
 
 struct BundleOptions {
   int iterations = 10;
@@ -41,16 +17,10 @@ struct BundleOptions {
   void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
-struct BundleSolution {
-  std::vector<BundleProblem::Pose> poses;    ///< the problem's, moved
-  std::vector<BundleProblem::Point> points;  ///< the problem's, moved
-  std::vector<char> outlier;                 ///< one per sighting
-  bool usable = false;                       ///< false when stopped early or the solver failed
-};
-
-/// Solves with Ceres (Levenberg-Marquardt, landmarks eliminated by the Schur complement), on one
-/// thread: several would add in another order and the result would differ from run to run.
-/// `stop`, when given and set, ends it early.
+/// Levenberg and Marquardt's method, landmarks eliminated by the Schur complement, on one thread:
+/// several would add in another order and the result would differ from run to run. A system of up
+/// to 60 free poses is dense and solved by our own code (`solve_dense_bundle`), a larger one by
+/// Ceres. `stop`, when given and set, ends it early.
 BundleSolution adjust_bundle(const Camera& camera, const MeasurementModel& model,
                              const BundleProblem& problem, const BundleOptions& options = {},
                              const std::atomic<bool>* stop = nullptr);

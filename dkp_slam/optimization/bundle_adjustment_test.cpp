@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "dkp_slam/optimization/dense_bundle.h"
+#include "dkp_slam/optimization/sparse_bundle.h"
 #include "dkp_slam/optimization/test_scene.h"
 
 namespace dkp_slam {
@@ -65,6 +67,58 @@ TEST(BundleAdjustment, FindsTheWrongSightings) {
     EXPECT_EQ(bool(s.outlier[i]), i % 17 == 0) << i;
   for (int k = 0; k < 6; ++k) {
     EXPECT_LT((s.poses[k].camera_from_world * truth.poses[k].inverse()).log().norm(), 1e-3);
+  }
+}
+
+/// Noise, wrong pixels, wrong and missing depths, a point of one sighting, two fixed poses.
+Truth noisy(Scene& scene) {
+  Truth truth = disturbed(scene);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  truth.problem.poses[3].fixed = true;
+  auto& sightings = truth.problem.sightings;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    Observation& seen = sightings[i].seen;
+    seen.pixel += Eigen::Vector2d(noise(scene.random), noise(scene.random));
+    seen.depth += 0.01 * noise(scene.random);
+    if (i % 13 == 0) seen.pixel.x() += 20.0;
+    if (i % 11 == 0) seen.depth += 0.5;
+    if (i % 7 == 0) seen.depth = 0.0;
+  }
+  sightings.resize(sightings.size() - 5);
+  return truth;
+}
+
+TEST(BundleAdjustment, DenseAndSparseFindTheSameMinimum) {
+  Scene scene(150);
+  const Truth truth = noisy(scene);
+  const BundleSolution start{truth.problem.poses, truth.problem.points,
+                             std::vector<char>(truth.problem.sightings.size(), 0), false};
+  BundleSolution dense = start, sparse = start;
+  ASSERT_TRUE(solve_dense_bundle(scene.camera, {}, truth.problem, 60, nullptr, dense));
+  ASSERT_TRUE(solve_sparse_bundle(scene.camera, {}, truth.problem, 60, nullptr, sparse));
+  for (std::size_t k = 0; k < dense.poses.size(); ++k) {
+    const Se3 &a = dense.poses[k].camera_from_world, &b = sparse.poses[k].camera_from_world;
+    EXPECT_LT((a * b.inverse()).log().norm(), 2e-4) << k;
+  }
+  for (std::size_t i = 0; i + 1 < dense.points.size(); ++i) {
+    EXPECT_LT((dense.points[i].position - sparse.points[i].position).norm(), 5e-3) << i;
+  }
+  EXPECT_EQ(dense.poses[0].camera_from_world.log().norm(), 0.0);
+}
+
+TEST(BundleAdjustment, DenseStepsAreCeresSteps) {
+  Scene scene(150);
+  const Truth truth = noisy(scene);
+  const BundleSolution start{truth.problem.poses, truth.problem.points,
+                             std::vector<char>(truth.problem.sightings.size(), 0), false};
+  BundleSolution dense = start, sparse = start;
+  solve_dense_bundle(scene.camera, {}, truth.problem, 1, nullptr, dense);
+  solve_sparse_bundle(scene.camera, {}, truth.problem, 1, nullptr, sparse);
+  for (std::size_t k = 1; k < dense.poses.size(); ++k) {
+    const Se3& from = start.poses[k].camera_from_world;
+    const Vector6d a = (dense.poses[k].camera_from_world * from.inverse()).log();
+    const Vector6d b = (sparse.poses[k].camera_from_world * from.inverse()).log();
+    EXPECT_LE((a - b).norm(), 1e-3 * b.norm()) << k;
   }
 }
 

@@ -8,11 +8,12 @@
 #include <limits>
 #include <memory>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/input_file.h"
+#include "dkp_slam/sensor/jpeg_codec.h"
 #include "dkp_slam/sensor/png_format.h"
+#include "dkp_slam/sensor/png_general.h"
 
 namespace dkp_slam {
 namespace {
@@ -60,20 +61,6 @@ std::uint64_t stated_pixels(const std::vector<std::uint8_t>& file) {
   return 0;
 }
 
-bool is_jpeg(const std::vector<std::uint8_t>& file) {
-  constexpr std::uint8_t start[] = {0xFF, 0xD8, 0xFF};
-  return file.size() >= sizeof(start) && std::equal(start, start + 3, file.begin());
-}
-
-/// OpenCV fills up what is missing of a JPEG file with grey and calls it read. A whole one ends
-/// with the marker FF D9; some cameras append a few bytes.
-bool is_truncated(const std::vector<std::uint8_t>& jpeg) {
-  constexpr std::uint8_t end[] = {0xFF, 0xD9};
-  constexpr std::ptrdiff_t tail = 1024;
-  const auto from = jpeg.end() - std::min(tail, std::ssize(jpeg));
-  return std::search(from, jpeg.end(), end, end + 2) == jpeg.end();
-}
-
 /// Why a file is no PNG of 8-bit grey values, by its first bytes; empty when it is one.
 std::string no_grey_png(const std::vector<std::uint8_t>& file) {
   constexpr std::size_t bits_at = 24, colour_type_at = 25;  // in the header chunk, always the first
@@ -87,13 +74,13 @@ std::string no_grey_png(const std::vector<std::uint8_t>& file) {
 
 }  // namespace
 
-ImageRead ImageReader::read(const std::string& path, int opencv_flags) {
+ImageRead ImageReader::read_unchanged(const std::string& path) {
   if (std::string problem = read_file(path, &file_); !problem.empty()) return {{}, problem};
   if (file_.empty()) return {{}, "the file is empty"};
-  return decode(opencv_flags);
+  return decode();
 }
 
-ImageRead ImageReader::decode(int opencv_flags) {
+ImageRead ImageReader::decode() {
   ImageRead result;
   if (stated_pixels(file_) > most_pixels_) {
     return {{}, "the image has more pixels than any that belongs here"};
@@ -105,22 +92,18 @@ ImageRead ImageReader::decode(int opencv_flags) {
     case PngDecoder::Status::unsupported:
       break;
   }
-  // OpenCV knows many more kinds, but decodes them with code that few have looked at.
-  const bool jpeg = is_jpeg(file_);
-  if (!jpeg && !png::has_signature(file_)) return {{}, "not a PNG or JPEG file"};
-  if (jpeg && is_truncated(file_)) return {{}, "truncated JPEG"};
-  try {
-    result.image = cv::imdecode(file_, opencv_flags);
-  } catch (const cv::Exception& error) {
-    return {{}, error.err};
+  if (is_jpeg(file_)) {
+    decode_jpeg(file_, &result.image, &result.problem);
+  } else if (png::has_signature(file_)) {
+    decode_any_png(file_, &result.image, &result.problem);
+  } else {
+    result.problem = "not a PNG or JPEG file";
   }
-  if (result.image.empty()) result.problem = "not an image that can be read";
   return result;
 }
 
 ImageRead ImageReader::read_colour(const std::string& path) {
-  // The lens model belongs to the image as stored, so no turning by what the file says of the top.
-  ImageRead result = read(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  ImageRead result = read_unchanged(path);
   if (result.image.empty()) return result;
   if (result.image.depth() == CV_16U) {
     constexpr double to_byte = 1.0 / 257.0;
@@ -132,14 +115,10 @@ ImageRead ImageReader::read_colour(const std::string& path) {
   return result;
 }
 
-ImageRead ImageReader::read_unchanged(const std::string& path) {
-  return read(path, cv::IMREAD_UNCHANGED);
-}
-
 ImageRead ImageReader::read_grey_png(const std::string& path) {
   if (std::string problem = read_file(path, &file_); !problem.empty()) return {{}, problem};
   if (const std::string problem = no_grey_png(file_); !problem.empty()) return {{}, problem};
-  return decode(cv::IMREAD_UNCHANGED);
+  return decode();
 }
 
 cv::Mat depth_in_metres(const cv::Mat& raw, double units_per_metre, double min_depth,

@@ -17,7 +17,6 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::uint8_t filter_up = 2;
-constexpr int level = 1;  // libdeflate's fastest; noise would hardly get smaller with more
 constexpr std::size_t chunk_head = 8, chunk_sum = 4;
 
 void put_big_endian(std::uint32_t value, std::uint8_t* out) {
@@ -67,13 +66,13 @@ Bytes filtered(const cv::Mat& image) {
 
 }  // namespace
 
-Bytes encode_png(const cv::Mat& image) {
+Bytes encode_png(const cv::Mat& image, PngSize size) {
   const int type = image.type();
   if (image.empty() || (type != CV_8UC1 && type != CV_16UC1 && type != CV_8UC3)) {
     throw Error("PNG: only 8-bit grey, 16-bit grey and 8-bit colour images can be written");
   }
   const std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> deflater(
-      libdeflate_alloc_compressor(level), libdeflate_free_compressor);
+      libdeflate_alloc_compressor(size == PngSize::fast ? 1 : 9), libdeflate_free_compressor);
   if (!deflater) throw std::bad_alloc();
   const Bytes rows = filtered(image);
   const std::size_t most = libdeflate_zlib_compress_bound(deflater.get(), rows.size());

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "dkp_slam/trace.h"
+
 namespace dkp_slam {
 
 BackEnd::BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
@@ -15,6 +17,7 @@ BackEnd::BackEnd(Map& map, PlaceIndex& places, const MeasurementModel& model,
       mapper_(map, places, model, options.mapper, realtime) {}
 
 void BackEnd::advance(int frame_index) {
+  const TraceSpan span("back end");
   frame_index_ = frame_index;
   map_.follow_moves(followed_per_frame_);
   mapper_.advance(frame_index);
@@ -26,6 +29,7 @@ void BackEnd::advance(int frame_index) {
 }
 
 void BackEnd::insert_keyframe(Frame& frame) {
+  const TraceSpan span("keyframe", frame.index);
   const int id = mapper_.insert_keyframe(frame);
   if (close_loops_) loop_closer_.add_keyframe(id);
   mapper_.adjust_around(id, frame.index);

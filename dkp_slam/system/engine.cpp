@@ -4,6 +4,7 @@
 
 #include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/stopwatch.h"
+#include "dkp_slam/trace.h"
 
 namespace dkp_slam {
 namespace {
@@ -56,7 +57,10 @@ std::shared_ptr<FrameSnapshot> Engine::track(PreparedFrame prepared) {
 
   snapshot->dynamics =
       dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints, prepared.detections);
-  refill_.refill(prepared.grey, prepared.orb, snapshot->dynamics);
+  {
+    const TraceSpan span("refill");
+    refill_.refill(prepared.grey, prepared.orb, snapshot->dynamics);
+  }
   const FrameDynamics& dynamics = snapshot->dynamics;
   result.clustering_ms = dynamics.clustering_ms;
   result.removal_ms = dynamics.removal_ms;
@@ -72,6 +76,7 @@ std::shared_ptr<FrameSnapshot> Engine::track(PreparedFrame prepared) {
 }
 
 void Engine::localize(const PreparedFrame& prepared, FrameSnapshot& snapshot) {
+  const TraceSpan span("localise");
   const Stopwatch watch;
   Frame frame;
   frame.index = prepared.frame.index;

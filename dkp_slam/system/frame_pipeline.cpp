@@ -5,11 +5,20 @@
 
 #include "dkp_slam/stopwatch.h"
 #include "dkp_slam/system/usable_detections.h"
+#include "dkp_slam/trace.h"
 
 namespace dkp_slam {
 namespace {
 
 constexpr std::size_t line_capacity = 2;  // frames between two stages: evens out, keeps memory low
+
+void find_features(const OrbExtractor& extractor, PreparedFrame& prepared) {
+  const TraceSpan span("features", prepared.frame.index);
+  const Stopwatch watch;
+  cv::cvtColor(prepared.frame.colour, prepared.grey, cv::COLOR_BGR2GRAY);
+  prepared.orb = extractor.extract(prepared.grey);
+  prepared.feature_ms = watch.ms();
+}
 
 }  // namespace
 
@@ -24,11 +33,13 @@ FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOption
       newest_detections_(1) {
   try {
     threads_.emplace_back([this] {
+      name_thread("features");
       run(&FramePipeline::extract);
       extracted_.close();
       newest_frame_.close();
     });
     threads_.emplace_back([this] {
+      name_thread("detector");
       run(live_ ? &FramePipeline::detect_newest : &FramePipeline::detect);
       if (live_) return;
       extracted_.close();
@@ -96,10 +107,7 @@ void FramePipeline::run(void (FramePipeline::*stage)()) {
 void FramePipeline::extract() {
   OrbExtractor extractor(orb_);
   while (std::optional<PreparedFrame> prepared = incoming_.pop()) {
-    const Stopwatch watch;
-    cv::cvtColor(prepared->frame.colour, prepared->grey, cv::COLOR_BGR2GRAY);
-    prepared->orb = extractor.extract(prepared->grey);
-    prepared->feature_ms = watch.ms();
+    find_features(extractor, *prepared);
     if (live_) {
       dropped_frames_ += extracted_.push_newest(std::move(*prepared));
     } else if (!extracted_.push(std::move(*prepared))) {
@@ -129,6 +137,7 @@ DetectionResult FramePipeline::run_detector(const RgbdFrame& frame) {
   DetectionResult result;
   result.timestamp = frame.timestamp;
   if (!detector_) return result;
+  const TraceSpan span("detection", frame.index);
   try {
     if (!detector_->looks_at(frame)) return result;
     result.detections = usable_detections(detector_->detect(frame), frame.colour.size());

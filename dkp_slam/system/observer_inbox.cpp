@@ -6,6 +6,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "dkp_slam/trace.h"
+
 namespace dkp_slam {
 
 ObserverInbox::ObserverInbox(std::shared_ptr<SlamObserver> observer, const ObserverOptions& options,
@@ -14,7 +16,10 @@ ObserverInbox::ObserverInbox(std::shared_ptr<SlamObserver> observer, const Obser
       options_(options),
       waits_(options.delivery == Delivery::every && !live),
       capacity_(options.delivery == Delivery::every ? std::max<std::size_t>(1, options.inbox) : 64),
-      thread_([this] { work(); }) {}
+      thread_([this] {
+        name_thread("observer");
+        work();
+      }) {}
 
 ObserverInbox::~ObserverInbox() {
   stop();
@@ -132,6 +137,7 @@ void ObserverInbox::work() {
 void ObserverInbox::call(const Event& event) {
   const char* reason = "an exception of unknown type";
   std::string text;
+  const TraceSpan span("observer");
   try {
     event(*observer_);
     return;

@@ -5,11 +5,17 @@
 
 #include "dkp_slam/stopwatch.h"
 #include "dkp_slam/system/pace.h"
+#include "dkp_slam/trace.h"
 
 namespace dkp_slam {
 namespace {
 
 bool stopped(const PlaybackOptions& options) { return options.stop && *options.stop; }
+
+std::optional<RgbdFrame> read(RgbdSource& source) {
+  const TraceSpan span("read");
+  return source.read();
+}
 
 }  // namespace
 
@@ -24,7 +30,7 @@ void play(RgbdSource& source, Slam& slam, const PlaybackOptions& options,
   try {
     while (!stopped(options)) {
       const Stopwatch watch;
-      std::optional<RgbdFrame> frame = source.read();
+      std::optional<RgbdFrame> frame = read(source);
       if (!frame) break;
       frame->decode_ms = watch.ms();
       if (options.rate > 0.0) pace.wait_for(frame->timestamp, options.stop);

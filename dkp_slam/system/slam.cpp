@@ -115,13 +115,17 @@ struct Slam::State {
 
 void Slam::State::start() {
   if (thread.joinable()) return;
-  thread = std::thread([this] { track(); });
+  thread = std::thread([this] {
+    name_thread("tracking");
+    track();
+  });
 }
 
 void Slam::State::track() {
   try {
     while (std::optional<PreparedFrame> prepared = pipeline.next()) {
       const auto fed_at = prepared->fed;
+      const TraceSpan span("frame", prepared->frame.index);
       const std::shared_ptr<FrameSnapshot> snapshot = engine.track(std::move(*prepared));
       FrameResult& result = snapshot->result;
       result.frame_ms = frame_watch.lap_ms();

@@ -49,9 +49,9 @@ class YoloxDetector : public Detector {
   cv::Mat scratch_;
 };
 
-std::unique_ptr<YoloxNetwork> load_network(const YoloxOptions& options) {
+std::unique_ptr<YoloxNetwork> load_network(const YoloxOptions& options, const cv::Size& images) {
 #ifdef DKP_SLAM_HAVE_ONNXRUNTIME
-  if (options.backend != YoloxBackend::opencv) return load_yolox_onnxruntime(options);
+  if (options.backend != YoloxBackend::opencv) return load_yolox_onnxruntime(options, images);
 #else
   if (options.backend == YoloxBackend::onnxruntime) {
     throw Error(
@@ -59,7 +59,7 @@ std::unique_ptr<YoloxNetwork> load_network(const YoloxOptions& options) {
         "OpenCV");
   }
 #endif
-  return load_yolox_opencv(options);
+  return load_yolox_opencv(options, images);
 }
 
 void check(const YoloxOptions& options) {
@@ -81,9 +81,9 @@ std::optional<fs::path> model_in(const fs::path& folder) {
 
 }  // namespace
 
-std::unique_ptr<Detector> make_yolox_detector(const YoloxOptions& options) {
+std::unique_ptr<Detector> make_yolox_detector(const YoloxOptions& options, const cv::Size& images) {
   check(options);
-  return std::make_unique<YoloxDetector>(load_network(options), options);
+  return std::make_unique<YoloxDetector>(load_network(options, images), options);
 }
 
 std::unique_ptr<Detector> make_detector(const DetectorOptions& options, const Camera& camera) {
@@ -94,7 +94,7 @@ std::unique_ptr<Detector> make_detector(const DetectorOptions& options, const Ca
     const auto model = find_model(yolox.model);
     if (model) {
       yolox.model = *model;
-      detector = make_yolox_detector(yolox);
+      detector = make_yolox_detector(yolox, {camera.width, camera.height});
       spdlog::info("detector: {}, model {}", detector->name(), model->string());
       return detector;
     }

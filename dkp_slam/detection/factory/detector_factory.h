@@ -19,8 +19,11 @@ std::unique_ptr<Detector> make_detector(const DetectorOptions& options, const Ca
 /// YOLOX behind the `Detector` interface: looks at the colour image alone and keeps no state, so
 /// frames may come in any order. The network has run once when this returns: models that load but
 /// do not run fail here, and the first frame takes no longer than the others. Throws `Error` when
-/// the model is missing, unreadable or none of YOLOX, or an option is out of range.
-std::unique_ptr<Detector> make_yolox_detector(const YoloxOptions& options);
+/// the model is missing, unreadable or none of YOLOX, or an option is out of range. With the size
+/// of the images that will come it computes no more of the network than they fill; others work,
+/// too.
+std::unique_ptr<Detector> make_yolox_detector(const YoloxOptions& options,
+                                              const cv::Size& images = {});
 
 /// Path of the YOLOX model to use: `wanted` when it is not empty, else environment variable
 /// DKP_SLAM_MODEL, else the smallest of yolox_{nano,tiny,s,m,l,x}.onnx in models/ of the current

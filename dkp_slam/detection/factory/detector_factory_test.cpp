@@ -87,6 +87,23 @@ TEST_P(YoloxBackends, FindsWhatTheImageSays) {
   }
 }
 
+TEST_P(YoloxBackends, UsesAModelThatCannotBeCutAsItIs) {
+  // Its shapes are among its weights: it takes a square, whatever the images are.
+  tiny_onnx::write_model(options_.model, 64, 84, 85);
+  RgbdFrame frame;
+  frame.colour = cv::Mat::zeros(32, 64, CV_8UC3);
+  const auto set = [&](int column, uchar value) {
+    frame.colour.at<cv::Vec3b>(column / 64, column % 64)[0] = value;
+  };
+  set(4, 1);  // stride 8, cell (0, 0): centre (0, 0), size 8
+  set(5, 1);  // a person
+  const std::vector<Detection> found =
+      make_yolox_detector(options_, frame.colour.size())->detect(frame);
+  // The letterbox's grey is in the output, too, as scores far above 1.
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].box, cv::Rect2f(0, 0, 4, 4));
+}
+
 TEST_P(YoloxBackends, RefusesAModelOfAnotherShape) {
   tiny_onnx::write_model(options_.model, 32, 21, 84);
   EXPECT_THAT([&] { make_yolox_detector(options_); },
@@ -155,6 +172,19 @@ TEST_P(YoloxBackends, FindsThePeopleInARealFrame) {
     return d.class_id == 0 && d.score > 0.5F && d.box.height > 150.0F;
   });
   EXPECT_EQ(people, 2);
+
+  // Cut to what the image fills it says the same, apart from the padding's share.
+  const auto cut = make_yolox_detector(options_, frame.colour.size());
+  const std::vector<Detection> same = cut->detect(frame);
+  for (std::size_t i = 0; i < 2; ++i) {
+    ASSERT_LT(i, same.size());
+    EXPECT_EQ(same[i].class_id, found[i].class_id);
+    EXPECT_NEAR(same[i].score, found[i].score, 0.03);
+    EXPECT_GT((same[i].box & found[i].box).area(), 0.95F * (same[i].box | found[i].box).area());
+  }
+  // Images of another size are looked at all the same.
+  cv::rotate(frame.colour, frame.colour, cv::ROTATE_90_CLOCKWISE);
+  EXPECT_NO_THROW(cut->detect(frame));
 }
 
 INSTANTIATE_TEST_SUITE_P(Detection, YoloxBackends,

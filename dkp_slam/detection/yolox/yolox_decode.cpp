@@ -6,24 +6,21 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/error.h"
-
 namespace dkp_slam::yolox {
 namespace {
 
 constexpr std::array<int, 3> strides{8, 16, 32};
 
-std::string shape_text(const std::vector<std::int64_t>& shape) {
-  std::string text = "[";
-  for (std::size_t i = 0; i < shape.size(); ++i) {
-    if (i > 0) text += ", ";
-    text += shape[i] < 0 ? "?" : std::to_string(shape[i]);
-  }
-  return text + "]";
-}
-
-/// True for `wanted`, and for a dimension the model leaves free.
-bool one_or_free(std::int64_t dimension) { return dimension == 1 || dimension < 0; }
+/// How an image of size `image` lies in an input of `size`.
+struct Letterbox {
+  Letterbox(const cv::Size& size, const cv::Size& image)
+      : factor(std::min(static_cast<float>(size.width) / image.width,
+                        static_cast<float>(size.height) / image.height)),
+        inner(std::clamp(static_cast<int>(image.width * factor), 1, size.width),
+              std::clamp(static_cast<int>(image.height * factor), 1, size.height)) {}
+  float factor;    ///< pixels of the input per pixel of the image
+  cv::Size inner;  ///< what the image fills, at the top left
+};
 
 }  // namespace
 
@@ -33,12 +30,17 @@ int row_count(const cv::Size& size) {
   return rows;
 }
 
+cv::Size filled_part(const cv::Size& whole, const cv::Size& image) {
+  const Letterbox box(whole, image);
+  const auto filled = [](int used, int all) {
+    return std::min(all, (used + strides.back() - 1) / strides.back() * strides.back());
+  };
+  return {filled(box.inner.width, whole.width), filled(box.inner.height, whole.height)};
+}
+
 float letterbox(const cv::Mat& image, const cv::Size& size, float* planes, cv::Mat& scratch) {
   CV_Assert(image.type() == CV_8UC3 && !image.empty());
-  const float factor = std::min(static_cast<float>(size.width) / image.cols,
-                                static_cast<float>(size.height) / image.rows);
-  const cv::Size inner(std::clamp(static_cast<int>(image.cols * factor), 1, size.width),
-                       std::clamp(static_cast<int>(image.rows * factor), 1, size.height));
+  const auto [factor, inner] = Letterbox(size, image.size());
   const cv::Mat* resized = &image;
   if (inner != image.size()) {
     cv::resize(image, scratch, inner, 0, 0, cv::INTER_LINEAR);
@@ -115,28 +117,6 @@ std::vector<Detection> suppress_overlaps(std::vector<Detection> boxes, float iou
     if (!covered) kept.push_back(std::move(box));
   }
   return kept;
-}
-
-cv::Size check_shapes(const std::string& model, const std::vector<std::int64_t>& input,
-                      const std::vector<std::int64_t>& output) {
-  const bool image_input = input.size() == 4 && one_or_free(input[0]) && input[1] == 3 &&
-                           input[2] > 0 && input[3] > 0 && input[2] % 32 == 0 &&
-                           input[3] % 32 == 0 && input[2] <= 4096 && input[3] <= 4096;
-  if (!image_input) {
-    throw Error("'" + model + "' is not a YOLOX model: its input is " + shape_text(input) +
-                ", not [1, 3, H, W] with fixed H and W, multiples of 32 (its output is " +
-                shape_text(output) + "); use an official YOLOX export (scripts/fetch_model.sh)");
-  }
-  const cv::Size size(static_cast<int>(input[3]), static_cast<int>(input[2]));
-  const std::vector<std::int64_t> wanted{1, row_count(size), row_length};
-  const bool yolox_output = output.size() == 3 && one_or_free(output[0]) &&
-                            output[1] == wanted[1] && output[2] == wanted[2];
-  if (!yolox_output) {
-    throw Error("'" + model + "' is not a YOLOX model of the COCO classes: its output is " +
-                shape_text(output) + ", not " + shape_text(wanted) +
-                "; use an official YOLOX export (scripts/fetch_model.sh)");
-  }
-  return size;
 }
 
 }  // namespace dkp_slam::yolox

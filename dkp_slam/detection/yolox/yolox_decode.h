@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -24,6 +22,10 @@ constexpr int row_length = 85;
 /// Rows of the output for an input of `size`: cells of the grids of strides 8, 16 and 32.
 int row_count(const cv::Size& size);
 
+/// The smallest input, in multiples of 32, that shows all of an image of size `image` as large as
+/// an input of size `whole` does.
+cv::Size filled_part(const cv::Size& whole, const cv::Size& image);
+
 /// Writes `image` (CV_8UC3, BGR) into `planes` (3 * height * width floats, blue plane first),
 /// resized by one factor to fit `size`, at the top left, the rest `padding`. Returns the factor
 /// (input pixels per image pixel). `scratch` keeps its memory from call to call.
@@ -39,12 +41,6 @@ std::vector<Detection> decode(const float* output, const cv::Size& size, float f
 
 /// Class-aware non-maximum suppression, strongest first; equal scores keep their order.
 std::vector<Detection> suppress_overlaps(std::vector<Detection> boxes, float iou);
-
-/// Input size of a network with input shape `input` and output shape `output`; -1 stands for a
-/// free batch dimension. Throws `Error`, which names the shapes, unless they are
-/// [1, 3, H, W] with H and W fixed multiples of 32 and [1, row_count, row_length].
-cv::Size check_shapes(const std::string& model, const std::vector<std::int64_t>& input,
-                      const std::vector<std::int64_t>& output);
 
 }  // namespace yolox
 }  // namespace dkp_slam

@@ -5,14 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "dkp_slam/error.h"
-
 namespace dkp_slam {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 constexpr int person = 0;
 constexpr int chair = 56;
@@ -166,29 +160,12 @@ TEST(SuppressOverlaps, KeepsAnOverlapUpToTheLimit) {
   EXPECT_EQ(yolox::suppress_overlaps(boxes, 0.33F).size(), 1U);
 }
 
-TEST(CheckShapes, TakesAnyYoloxSizeSquareOrNot) {
-  EXPECT_EQ(yolox::check_shapes("m", {1, 3, 416, 416}, {1, 3549, 85}), cv::Size(416, 416));
-  EXPECT_EQ(yolox::check_shapes("m", {-1, 3, 640, 640}, {-1, 8400, 85}), cv::Size(640, 640));
-  EXPECT_EQ(yolox::check_shapes("m", {1, 3, 32, 64}, {1, 42, 85}), cv::Size(64, 32));
-}
-
-TEST(CheckShapes, RefusesOthersNamingBothShapes) {
-  EXPECT_THAT(
-      [] {
-        yolox::check_shapes("m.onnx", {1, 3, 640, 640}, {1, 84, 8400});
-      },
-      ThrowsMessage<Error>(
-          AllOf(HasSubstr("m.onnx"), HasSubstr("[1, 84, 8400]"), HasSubstr("[1, 8400, 85]"))));
-  EXPECT_THAT(
-      [] {
-        yolox::check_shapes("m", {1, 3, -1, -1}, {1, -1, 85});
-      },
-      ThrowsMessage<Error>(HasSubstr("[1, 3, ?, ?]")));
-  EXPECT_THAT(
-      [] {
-        yolox::check_shapes("m", {1, 3, 224, 224}, {1, 1000});
-      },
-      ThrowsMessage<Error>(AllOf(HasSubstr("[1, 1000]"), HasSubstr("[1, 1029, 85]"))));
+TEST(FilledPart, HoldsTheLetterboxedImageInSteps) {
+  EXPECT_EQ(yolox::filled_part({416, 416}, {640, 480}), cv::Size(416, 320));
+  EXPECT_EQ(yolox::filled_part({416, 416}, {480, 640}), cv::Size(320, 416));
+  EXPECT_EQ(yolox::filled_part({640, 640}, {1280, 720}), cv::Size(640, 384));  // 360 rows
+  EXPECT_EQ(yolox::filled_part({416, 416}, {416, 416}), cv::Size(416, 416));
+  EXPECT_EQ(yolox::filled_part({640, 384}, {640, 480}), cv::Size(512, 384));
 }
 
 }  // namespace

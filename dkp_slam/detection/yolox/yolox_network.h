@@ -26,9 +26,13 @@ class YoloxNetwork {
 };
 
 /// Loads the model of the options; throws `Error` when the file is no model, or none of YOLOX.
-std::unique_ptr<YoloxNetwork> load_yolox_opencv(const YoloxOptions& options);
+/// Where the size of the `images` is known (not 0 x 0), the network computes only what they fill of
+/// its input, a quarter less for 4:3 in a square, unless the model can't be cut.
+std::unique_ptr<YoloxNetwork> load_yolox_opencv(const YoloxOptions& options,
+                                                const cv::Size& images);
 #ifdef DKP_SLAM_HAVE_ONNXRUNTIME
-std::unique_ptr<YoloxNetwork> load_yolox_onnxruntime(const YoloxOptions& options);
+std::unique_ptr<YoloxNetwork> load_yolox_onnxruntime(const YoloxOptions& options,
+                                                     const cv::Size& images);
 #endif
 
 }  // namespace dkp_slam

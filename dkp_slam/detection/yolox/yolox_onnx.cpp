@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include "dkp_slam/detection/yolox/yolox_decode.h"
+#include "dkp_slam/detection/yolox/yolox_model.h"
 #include "dkp_slam/detection/yolox/yolox_network.h"
 #include "dkp_slam/error.h"
 
@@ -58,7 +59,8 @@ std::string choose_provider(const std::string& wanted, Ort::SessionOptions& sess
 
 class OnnxNetwork : public YoloxNetwork {
  public:
-  explicit OnnxNetwork(const YoloxOptions& options) {
+  /// `bytes`: what the file of the options holds, or that cut to the images' size.
+  OnnxNetwork(const YoloxOptions& options, const std::string& bytes) {
     Ort::SessionOptions session_options;
     session_options.SetIntraOpNumThreads(options.threads);
     session_options.SetInterOpNumThreads(1);
@@ -69,7 +71,7 @@ class OnnxNetwork : public YoloxNetwork {
     session_options.AddConfigEntry("session.inter_op.allow_spinning", "0");
     provider_ = choose_provider(options.provider, session_options);
     try {
-      session_ = Ort::Session(environment(), options.model.c_str(), session_options);
+      session_ = Ort::Session(environment(), bytes.data(), bytes.size(), session_options);
     } catch (const Ort::Exception& error) {
       throw Error("'" + options.model.string() + "' is not a model that ONNX Runtime can load (" +
                   first_line(error.what()) +
@@ -137,8 +139,17 @@ class OnnxNetwork : public YoloxNetwork {
 
 }  // namespace
 
-std::unique_ptr<YoloxNetwork> load_yolox_onnxruntime(const YoloxOptions& options) {
-  return std::make_unique<OnnxNetwork>(options);
+std::unique_ptr<YoloxNetwork> load_yolox_onnxruntime(const YoloxOptions& options,
+                                                     const cv::Size& images) {
+  const std::string model = yolox::read_model(options.model);
+  if (const std::string cut = yolox::cut_to_images(model, images); !cut.empty()) {
+    try {
+      return std::make_unique<OnnxNetwork>(options, cut);
+    } catch (const Error& error) {
+      spdlog::debug("the model is used with its own size: {}", error.what());
+    }
+  }
+  return std::make_unique<OnnxNetwork>(options, model);
 }
 
 }  // namespace dkp_slam

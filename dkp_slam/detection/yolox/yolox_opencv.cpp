@@ -1,25 +1,18 @@
 #include <array>
-#include <fstream>
 #include <sstream>
 #include <vector>
 
 #include <spdlog/spdlog.h>
 #include <opencv2/dnn.hpp>
 
-#include "dkp_slam/detection/yolox/onnx_input_shape.h"
+#include "dkp_slam/detection/yolox/onnx_shapes.h"
 #include "dkp_slam/detection/yolox/yolox_decode.h"
+#include "dkp_slam/detection/yolox/yolox_model.h"
 #include "dkp_slam/detection/yolox/yolox_network.h"
 #include "dkp_slam/error.h"
 
 namespace dkp_slam {
 namespace {
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  if (!in.good() && !in.eof()) throw Error("cannot read the model '" + file.string() + "'");
-  return bytes;
-}
 
 /// OpenCV's error text in one line; it spans several where a check failed.
 std::string one_line(const cv::Exception& error) {
@@ -38,10 +31,10 @@ cv::dnn::MatShape to_dnn(const std::vector<std::int64_t>& shape) {
 
 class OpenCvNetwork : public YoloxNetwork {
  public:
-  explicit OpenCvNetwork(const YoloxOptions& options) {
+  /// `bytes`: what the file of the options holds, or that cut to the images' size.
+  OpenCvNetwork(const YoloxOptions& options, const std::string& bytes) {
     const std::string model = options.model.string();
     std::vector<std::int64_t> output_shape;
-    const std::string bytes = read_file(options.model);
     const std::vector<std::int64_t> input_shape = onnx_input_shape(bytes);
     try {
       network_ = cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
@@ -87,11 +80,20 @@ class OpenCvNetwork : public YoloxNetwork {
 
 }  // namespace
 
-std::unique_ptr<YoloxNetwork> load_yolox_opencv(const YoloxOptions& options) {
+std::unique_ptr<YoloxNetwork> load_yolox_opencv(const YoloxOptions& options,
+                                                const cv::Size& images) {
   if (options.provider != "cpu") {
     spdlog::warn("OpenCV's dnn runs on the cpu only, not on '{}'", options.provider);
   }
-  return std::make_unique<OpenCvNetwork>(options);
+  const std::string model = yolox::read_model(options.model);
+  if (const std::string cut = yolox::cut_to_images(model, images); !cut.empty()) {
+    try {
+      return std::make_unique<OpenCvNetwork>(options, cut);
+    } catch (const Error& error) {
+      spdlog::debug("the model is used with its own size: {}", error.what());
+    }
+  }
+  return std::make_unique<OpenCvNetwork>(options, model);
 }
 
 }  // namespace dkp_slam

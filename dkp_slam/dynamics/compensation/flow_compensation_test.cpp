@@ -37,8 +37,8 @@ class Missed : public ::testing::Test {
     for (int y = 30; y < 460; y += 20) {
       for (int x = 40; x < 620; x += 20) points_.emplace_back(float(x), float(y));
     }
-    estimator_.track(before, depth_, points_, {}, 0.0);
-    motion_ = estimator_.track(now, depth_, points_, {}, 1 / 30.0);
+    estimator_.track(before, depth_, points_, {}, {}, 0.0);
+    motion_ = estimator_.track(now, depth_, points_, {}, {}, 1 / 30.0);
   }
   void remember() {
     std::vector<std::uint8_t> is_static;

@@ -117,7 +117,8 @@ std::vector<cv::Point2f> FeatureMotionEstimator::predict(
 
 FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& depth,
                                             const std::vector<cv::Point2f>& points,
-                                            const std::vector<cv::Rect2f>& hidden, double time) {
+                                            const std::vector<cv::Rect2f>& hidden,
+                                            const std::vector<std::uint8_t>& wanted, double time) {
   flow_.push(grey);
   if (options_.coarse_rotation) coarse_rotation_.push(grey, hidden);
   steps_.push_front({time, std::nullopt});
@@ -127,14 +128,46 @@ FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& 
   motion.now = straight(points, motion.seen_now, depth, points, 0);
   motion.tracks.previous = points;
   motion.tracks.tracked.assign(points.size(), 0);
-  if (flow_.earlier_frames() > 0) {
-    motion.tracks = flow_.track(points, 1, predict(depth, points, motion.now));
-  }
-  motion.seen_then = camera_.undistort(motion.tracks.previous);
-  motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
+  motion.seen_then = motion.seen_now;
+  motion.followed.assign(points.size(), 0);
   motion.residual.assign(points.size(), unknown);
   motion.long_residual.assign(points.size(), unknown);
+  follow(depth, points, wanted, motion);
+  motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
   return motion;
+}
+
+/// Flow of the features that are wanted and were not followed yet; false where there are none.
+bool FeatureMotionEstimator::follow(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                                    const std::vector<std::uint8_t>& wanted,
+                                    FeatureMotion& motion) const {
+  std::vector<std::size_t> index;
+  std::vector<cv::Point2f> from, flat;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if ((!wanted.empty() && wanted[i] == 0) || motion.followed[i] != 0) continue;
+    motion.followed[i] = 1;
+    index.push_back(i);
+    from.push_back(points[i]);
+    flat.push_back(motion.now[i]);
+  }
+  if (index.empty() || flow_.earlier_frames() == 0) return false;
+  const FlowResult found = flow_.track(from, 1, predict(depth, from, flat));
+  const std::vector<cv::Point2f> seen = camera_.undistort(found.previous);
+  for (std::size_t k = 0; k < index.size(); ++k) {
+    motion.tracks.previous[index[k]] = found.previous[k];
+    motion.tracks.tracked[index[k]] = found.tracked[k];
+    motion.seen_then[index[k]] = seen[k];
+  }
+  return true;
+}
+
+void FeatureMotionEstimator::follow_more(const cv::Mat& depth,
+                                         const std::vector<cv::Point2f>& points,
+                                         const std::vector<std::uint8_t>& wanted,
+                                         FeatureMotion& motion) const {
+  if (!follow(depth, points, wanted, motion)) return;
+  motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
+  if (motion.camera_motion) fill_residuals(depth, points, motion);
 }
 
 double FeatureMotionEstimator::residual_at(const cv::Mat& depth, const cv::Point2f& raw,
@@ -195,6 +228,12 @@ void FeatureMotionEstimator::measure_ego_motion(const cv::Mat& depth,
     if (refined) motion.camera_motion = refined;
     steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
   }
+  fill_residuals(depth, points, motion);
+}
+
+void FeatureMotionEstimator::fill_residuals(const cv::Mat& depth,
+                                            const std::vector<cv::Point2f>& points,
+                                            FeatureMotion& motion) const {
   const Se3& previous_from_this = motion.camera_motion->previous_from_current;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (motion.tracks.tracked[i] == 0) continue;

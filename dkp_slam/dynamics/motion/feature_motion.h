@@ -35,6 +35,9 @@ struct FeatureMotionOptions {
   /// Features outside boxes from which the ego-motion is measured; with fewer, what lies on the
   /// static planes in boxes helps.
   int enough_outside = 150;
+  /// Features that are followed outside the boxes of what moves by itself, evenly spread; others
+  /// only where some of these move. Flow takes most of removal's time. 0: all of them.
+  int followed_outside = 300;
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound
@@ -43,6 +46,7 @@ struct FeatureMotionOptions {
 /// What flow says about the features of the newest frame. Vectors run parallel to the features.
 struct FeatureMotion {
   FlowResult tracks;                             ///< into the frame before, raw pixels
+  std::vector<std::uint8_t> followed;            ///< 0 where no flow was looked for
   std::vector<cv::Point2f> seen_now, seen_then;  ///< undistorted pixels
   std::vector<cv::Point2f> now, then;            ///< the same, as a global shutter would see them
   std::optional<CameraMotion> camera_motion;
@@ -59,10 +63,11 @@ class FeatureMotionEstimator {
 
   /// Takes the newest frame and tracks its features (raw pixels) one frame back.
   /// Starts where the camera's motion would take them, were they static: its last one, else its
-  /// turn. `hidden`: boxes of what may move by itself.
+  /// turn. `hidden`: boxes of what may move by itself. Only features flagged `wanted` are followed,
+  /// all of them where it is empty.
   FeatureMotion track(const cv::Mat& grey, const cv::Mat& depth,
                       const std::vector<cv::Point2f>& points, const std::vector<cv::Rect2f>& hidden,
-                      double time);
+                      const std::vector<std::uint8_t>& wanted, double time);
   /// The camera's motion into the newest frame from the one before, as far as it is known:
   /// measured, else that of the frame before, else none.
   Se3 current_from_previous() const;
@@ -70,6 +75,11 @@ class FeatureMotionEstimator {
   void measure_ego_motion(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                           const std::vector<std::uint8_t>& low, std::uint64_t seed,
                           FeatureMotion& motion);
+  /// Follows those of the `wanted` features that `track` left out, after the ego-motion, with their
+  /// residuals.
+  void follow_more(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                   const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;
+
   /// Fills `long_residual` of the features flagged `wanted` that have a depth.
   void look_back(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                  const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;
@@ -86,6 +96,10 @@ class FeatureMotionEstimator {
                                          const std::vector<cv::Point2f>& points,
                                          const std::vector<std::uint8_t>& low,
                                          FeatureMotion& motion) const;
+  bool follow(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+              const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;
+  void fill_residuals(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                      FeatureMotion& motion) const;
   Vector6d velocity_at(std::size_t step) const;
   std::vector<cv::Point2f> straight(const std::vector<cv::Point2f>& raw,
                                     const std::vector<cv::Point2f>& seen, const cv::Mat& depth,

@@ -1,6 +1,9 @@
 #include "dkp_slam/dynamics/motion/static_support.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
 
 namespace dkp_slam {
 
@@ -13,6 +16,72 @@ std::vector<std::uint8_t> outside_boxes(const std::vector<cv::Point2f>& points,
     }
   }
   return outside;
+}
+
+std::vector<std::uint8_t> thinned_outside(const std::vector<cv::Point2f>& points,
+                                          const std::vector<cv::Rect2f>& boxes, float margin,
+                                          const cv::Mat& depth, int most) {
+  std::vector<cv::Rect2f> grown;
+  for (const cv::Rect2f& b : boxes) {
+    grown.emplace_back(b.x - margin, b.y - margin, b.width + 2 * margin, b.height + 2 * margin);
+  }
+  std::vector<std::uint8_t> taken = outside_boxes(points, grown);
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool outside = taken[i] != 0;
+    taken[i] = outside ? 0 : 1;
+    if (!outside) continue;
+    const int u = std::clamp(cvRound(points[i].x), 0, depth.cols - 1);
+    const int v = std::clamp(cvRound(points[i].y), 0, depth.rows - 1);
+    if (depth.at<float>(v, u) > 0.0F) others.push_back(i);
+  }
+  const std::size_t count = std::min(others.size(), static_cast<std::size_t>(most));
+  for (std::size_t k = 0; k < count; ++k) taken[others[k * others.size() / count]] = 1;
+  return taken;
+}
+
+std::vector<std::uint8_t> near_moving(const std::vector<cv::Point2f>& points,
+                                      const std::vector<float>& residual, float moving,
+                                      const cv::Size& size) {
+  // Eight by eight parts: one is as wide as a person three metres away. Each is judged with its
+  // neighbours to the right and below, and all four are flagged.
+  constexpr int parts = 8;
+  struct Count {
+    int measured = 0, moving = 0;
+  };
+  std::array<std::array<Count, parts>, parts> counts{};
+  std::array<std::array<bool, parts>, parts> open{};
+  const auto part_of = [&](const cv::Point2f& p) {
+    const auto of = [](float at, int side) {
+      return static_cast<std::size_t>(
+          std::clamp(static_cast<int>(at) * parts / std::max(side, 1), 0, parts - 1));
+    };
+    return std::pair(of(p.y, size.height), of(p.x, size.width));
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::isnan(residual[i])) continue;
+    const auto [row, column] = part_of(points[i]);
+    ++counts[row][column].measured;
+    if (residual[i] > moving) ++counts[row][column].moving;
+  }
+  for (std::size_t r = 0; r + 1 < parts; ++r) {
+    for (std::size_t c = 0; c + 1 < parts; ++c) {
+      Count sum;
+      for (const Count& part :
+           {counts[r][c], counts[r][c + 1], counts[r + 1][c], counts[r + 1][c + 1]}) {
+        sum.measured += part.measured;
+        sum.moving += part.moving;
+      }
+      if (sum.moving < 2 || 3 * sum.moving < sum.measured) continue;
+      open[r][c] = open[r][c + 1] = open[r + 1][c] = open[r + 1][c + 1] = true;
+    }
+  }
+  std::vector<std::uint8_t> flags(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto [row, column] = part_of(points[i]);
+    flags[i] = open[row][column] ? 1 : 0;
+  }
+  return flags;
 }
 
 void add_points_on_planes(const DepthView& view, const std::vector<cv::Point2f>& points,

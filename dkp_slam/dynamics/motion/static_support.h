@@ -14,6 +14,18 @@ namespace dkp_slam {
 std::vector<std::uint8_t> outside_boxes(const std::vector<cv::Point2f>& points,
                                         const std::vector<cv::Rect2f>& boxes);
 
+/// 1 for every point in a box or within `margin` pixels of one, and for `most` of the others that
+/// have a depth (metres, as large as the image), evenly taken in the order given.
+std::vector<std::uint8_t> thinned_outside(const std::vector<cv::Point2f>& points,
+                                          const std::vector<cv::Rect2f>& boxes, float margin,
+                                          const cv::Mat& depth, int most);
+
+/// 1 for every point in a part of an image of `size` where of the points with a residual (pixels,
+/// NaN for none) at least two and a third are above `moving`: there the others are worth a look.
+std::vector<std::uint8_t> near_moving(const std::vector<cv::Point2f>& points,
+                                      const std::vector<float>& residual, float moving,
+                                      const cv::Size& size);
+
 /// Flags points that lie on one of the static planes and run along it, camera frame, in boxes too:
 /// where boxes leave too few points, the ego-motion rests on these as well.
 void add_points_on_planes(const DepthView& view, const std::vector<cv::Point2f>& points,

@@ -35,7 +35,7 @@ TEST(EpipolarOnTruth, DistancesAndDecisionsUnderTheExactFundamentalMatrix) {
     std::vector<cv::Point2f> points;
     cv::KeyPoint::convert(world.keypoints[i], points);
     const FeatureMotion found =
-        estimator.track(world.grey[i], frame.depth, points, {}, frame.timestamp);
+        estimator.track(world.grey[i], frame.depth, points, {}, {}, frame.timestamp);
     if (i == 0) continue;  // nothing came before
     const cv::Matx33d fundamental = exact_fundamental(world, i);
     double agree = 0.0, compared = 0.0;

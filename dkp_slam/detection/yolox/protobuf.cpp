@@ -1,17 +1,7 @@
-#include "dkp_slam/detection/yolox/onnx_input_shape.h"
+#include "dkp_slam/detection/yolox/protobuf.h"
 
-#include <algorithm>
-#include <optional>
-
-namespace dkp_slam {
+namespace dkp_slam::protobuf {
 namespace {
-
-/// One field of a protobuf message.
-struct Field {
-  std::uint64_t number = 0;
-  std::uint64_t value = 0;  ///< of a varint
-  std::string_view bytes;   ///< of a length-delimited field
-};
 
 std::optional<std::uint64_t> take_varint(std::string_view& in) {
   std::uint64_t value = 0;
@@ -24,27 +14,40 @@ std::optional<std::uint64_t> take_varint(std::string_view& in) {
   return std::nullopt;
 }
 
+std::string varint(std::uint64_t value) {
+  std::string bytes;
+  for (; value >= 0x80; value >>= 7) bytes += static_cast<char>(value | 0x80);
+  bytes += static_cast<char>(value);
+  return bytes;
+}
+
+std::string tag(std::uint64_t number, WireType type) {
+  return varint(number << 3 | static_cast<std::uint64_t>(type));
+}
+
+}  // namespace
+
 std::optional<Field> take_field(std::string_view& in) {
-  enum WireType { varint = 0, fixed64 = 1, delimited = 2, fixed32 = 5 };
   const auto tag = take_varint(in);
   if (!tag) return std::nullopt;
   Field field;
   field.number = *tag >> 3;
   std::uint64_t length = 0;
-  switch (*tag & 7) {
-    case varint: {
+  field.type = static_cast<WireType>(*tag & 7);
+  switch (field.type) {
+    case WireType::varint: {
       const auto value = take_varint(in);
       if (!value) return std::nullopt;
       field.value = *value;
       return field;
     }
-    case fixed64:
+    case WireType::fixed64:
       length = 8;
       break;
-    case fixed32:
+    case WireType::fixed32:
       length = 4;
       break;
-    case delimited: {
+    case WireType::delimited: {
       const auto value = take_varint(in);
       if (!value) return std::nullopt;
       length = *value;
@@ -59,7 +62,6 @@ std::optional<Field> take_field(std::string_view& in) {
   return field;
 }
 
-/// Every length-delimited value of one field number.
 std::vector<std::string_view> children(std::string_view message, std::uint64_t number) {
   std::vector<std::string_view> found;
   while (!message.empty()) {
@@ -75,27 +77,23 @@ std::string_view child(std::string_view message, std::uint64_t number) {
   return found.empty() ? std::string_view() : found.front();
 }
 
-}  // namespace
-
-std::vector<std::int64_t> onnx_input_shape(std::string_view file) {
-  const std::string_view graph = child(file, 7);
-  // Old exports list the weights among the inputs.
-  std::vector<std::string_view> weights;
-  for (std::string_view tensor : children(graph, 5)) weights.push_back(child(tensor, 8));
-  std::vector<std::string_view> inputs;
-  for (std::string_view input : children(graph, 11)) {
-    if (std::find(weights.begin(), weights.end(), child(input, 1)) == weights.end()) {
-      inputs.push_back(input);
-    }
+std::string written(const Field& field) {
+  switch (field.type) {
+    case WireType::varint:
+      return written(field.number, field.value);
+    case WireType::delimited:
+      return written(field.number, field.bytes);
+    default:
+      return tag(field.number, field.type).append(field.bytes);
   }
-  if (inputs.size() != 1) return {};
-  const std::string_view tensor_type = child(child(inputs[0], 2), 1);
-  std::vector<std::int64_t> shape;
-  for (std::string_view dimension : children(child(tensor_type, 2), 1)) {
-    const auto field = take_field(dimension);
-    shape.push_back(field && field->number == 1 ? static_cast<std::int64_t>(field->value) : -1);
-  }
-  return shape;
 }
 
-}  // namespace dkp_slam
+std::string written(std::uint64_t number, std::uint64_t value) {
+  return tag(number, WireType::varint).append(varint(value));
+}
+
+std::string written(std::uint64_t number, std::string_view bytes) {
+  return tag(number, WireType::delimited).append(varint(bytes.size())).append(bytes);
+}
+
+}  // namespace dkp_slam::protobuf

@@ -1,4 +1,4 @@
-#include "dkp_slam/detection/yolox/onnx_input_shape.h"
+#include "dkp_slam/detection/yolox/onnx_shapes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,0 +1,117 @@
+#include "apps/run_options.h"
+
+#include <string>
+#include <vector>
+
+#include "apps/commands.h"
+#include "dkp_slam/dynamics/modes.h"
+
+namespace dkp_slam::apps {
+namespace {
+
+std::vector<std::string> names_of_modes() {
+  std::vector<std::string> names;
+  for (const ModeInfo& m : dynamics_modes()) names.emplace_back(m.name);
+  return names;
+}
+
+void add_detector_options(CLI::App& command, RunOptions& options) {
+  auto* recorded = command.add_option(
+      "--detections", options.detections,
+      "Boxes of this file instead of a detector's, as in an earlier run's detections.txt");
+  auto* detector =
+      add_shortcut(
+          command, options.config, "--detector", "detector.kind",
+          "What finds objects that may move: auto (YOLOX when there is a model, else motion), "
+          "yolox, motion or none")
+          ->check(CLI::IsMember({"auto", "yolox", "motion", "none"}))
+          ->default_str("auto")
+          ->excludes(recorded);
+  auto* model =
+      add_shortcut(command, options.config, "--model", "detector.yolox.model",
+                   "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
+  add_shortcut(command, options.config, "--provider", "detector.yolox.provider",
+               "Execution provider of ONNX Runtime: cpu, cuda or tensorrt")
+      ->check(CLI::IsMember({"cpu", "cuda", "tensorrt"}))
+      ->default_str("cpu");
+  command.add_option("--classes", options.classes,
+                     "Weight of each class (YAML, see config/classes.yaml)");
+  command
+      .add_option("--masks", options.masks,
+                  "Mode masks: folder of somebody's segmentation instead of a detector, for each "
+                  "colour image a PNG of its name, 8-bit grey, 0 on what is static")
+      ->excludes(recorded)
+      ->excludes(detector)
+      ->excludes(model);
+}
+
+}  // namespace
+
+void add_source_options(CLI::App& command, RunOptions& options) {
+  auto* sequence =
+      command.add_option("SEQUENCE", options.sequence,
+                         "Folder in TUM RGB-D format, or - for a frame stream on the standard "
+                         "input (docs/frame-stream.md)");
+  command
+      .add_option("--source", options.sequence,
+                  "Instead of SEQUENCE: a socket to listen at for a driver's frame stream, "
+                  "unix:PATH, tcp:PORT (of this machine alone) or tcp:HOST:PORT; in real time")
+      ->excludes(sequence);
+  command.add_flag("--offline", options.offline,
+                   "With a socket: drop no frame, let the driver wait");
+  command
+      .add_option("--reconnect", options.reconnect,
+                  "Seconds that a socket waits for a driver that was cut off to come back")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+}
+
+void add_run_options(CLI::App& command, RunOptions& options) {
+  command.add_option("--camera", options.camera,
+                     "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else the stream's "
+                     "own, or SEQUENCE/camera.yaml, else by the folder's name");
+  add_shortcut(command, options.config, "--mode", "mode",
+               "What is removed: off (nothing), masks (what --masks say), paper (the paper to the "
+               "letter), d (boxes), dk "
+               "(clustered masks), dkp (region and epipolar rule), dkp+ (ours); docs/modes.md")
+      ->check(CLI::IsMember(names_of_modes()).description(mode_names()))
+      ->default_str("dkp+");
+  add_detector_options(command, options);
+  auto* realtime =
+      add_flag_shortcut(command, options.config, "--realtime", "realtime",
+                        "Play by the time stamps, drop what comes too late, wait for nothing");
+  command.add_option(
+      "--rate", options.rate,
+      "With --realtime: so many times as fast as it was recorded, above 0 and at most 100; "
+      "default: 1");
+  command
+      .add_flag(
+          "--one-at-a-time", options.one_at_a_time,
+          "Read a frame when the one before is done: slower, but each stage's time is its own")
+      ->excludes(realtime);
+  command.add_flag("--preload", options.preload,
+                   "Read all images before the first frame: times are then those of a camera, "
+                   "which decodes none; 2 MB a frame");
+  add_shortcut(command, options.config, "--seed", "seed", "Seed of everything random")
+      ->default_str("1");
+  add_config_options(command, options.config);
+  auto* map = command.add_option("--map", options.map,
+                                 "Map file: go on with it where it is there, make it where it is "
+                                 "not, and keep it up to date all the time");
+  command
+      .add_option("--localize", options.localize,
+                  "Map file: only find the camera in it, and leave it as it is")
+      ->excludes(map);
+  command.add_flag("--save-masks", options.save_masks,
+                   "Keep the mask of every frame in OUT/masks, for `export --dense`");
+  auto* overlay = command.add_flag("--overlay", options.overlay,
+                                   "Pictures of boxes, masks and features in OUT/overlay");
+  command.add_option("--profile", options.profile,
+                     "Trace of all stages and threads, for ui.perfetto.dev (docs/performance.md)");
+  command.add_option("--overlay-every", options.overlay_every, "Frames from picture to picture")
+      ->check(CLI::Range(1, 1000000))
+      ->needs(overlay)
+      ->capture_default_str();
+}
+
+}  // namespace dkp_slam::apps

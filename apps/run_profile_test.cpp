@@ -1,0 +1,94 @@
+#include <fstream>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/test_program.h"
+#include "apps/test_sequence.h"
+#include "dkp_slam/map_file/test_folder.h"
+
+namespace dkp_slam {
+namespace {
+
+namespace fs = std::filesystem;
+using dkp_slam::testing::content;
+using dkp_slam::testing::Program;
+using dkp_slam::testing::WallSequence;
+using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
+
+constexpr int frame_count = 12;
+
+/// What `run` tells of its own speed.
+class RunProfile : public testing::FolderTest {
+ protected:
+  int run(const std::string& out, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{
+        "run",        sequence_.folder(), "--camera", sequence_.folder() / "camera.yaml",
+        "--detector", "motion",           "--out",    folder_ / out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return start(arguments);
+  }
+  int start(const std::vector<std::string>& arguments) {
+    const Program program(folder_, arguments, {"HOME=" + folder_.string()});
+    const int code = program.wait();
+    errors_ = program.err();
+    return code;
+  }
+  nlohmann::json json(const std::string& file) const {
+    return nlohmann::json::parse(std::ifstream(folder_ / file));
+  }
+
+  WallSequence sequence_{folder_ / "sequence", frame_count};
+  std::string errors_;
+};
+
+TEST_F(RunProfile, ATraceHasTheStagesOfEveryFrameByThread) {
+  const std::string file = folder_ / "trace.json";
+  ASSERT_EQ(run("out", {"--profile", file}), 0) << errors_;
+  std::map<int, std::string> threads;
+  std::map<std::string, std::set<int>> frames;
+  std::set<std::string> names;
+  for (const nlohmann::json& e : json("trace.json")) {
+    if (e["name"] == "thread_name") threads[e["tid"]] = e["args"]["name"];
+  }
+  for (const nlohmann::json& e : json("trace.json")) {
+    if (e["ph"] != "X") continue;
+    names.insert(threads.at(e["tid"]) + ": " + e["name"].get<std::string>());
+    if (e.contains("args")) frames[e["name"]].insert(e["args"]["frame"].get<int>());
+  }
+  EXPECT_THAT(names,
+              IsSupersetOf({"main: read", "features: features", "detector: detection",
+                            "tracking: frame", "tracking: flow", "tracking: masks",
+                            "tracking: removal", "tracking: localise", "tracking: keyframe"}));
+  for (const char* stage : {"features", "detection", "frame"}) {
+    EXPECT_EQ(frames[stage].size(), frame_count) << stage;
+  }
+}
+
+TEST_F(RunProfile, ATraceThatCannotBeWrittenEndsTheRunBeforeItBegins) {
+  EXPECT_EQ(run("out", {"--profile", "/no/such/folder/trace.json"}), 1);
+  EXPECT_THAT(errors_, HasSubstr("/no/such/folder/trace.json"));
+}
+
+TEST_F(RunProfile, PreloadedImagesGiveTheSamePath) {
+  ASSERT_EQ(run("out", {}), 0) << errors_;
+  ASSERT_EQ(run("preloaded", {"--preload"}), 0) << errors_;
+  EXPECT_EQ(content(folder_ / "out/trajectory.txt"), content(folder_ / "preloaded/trajectory.txt"));
+  EXPECT_EQ(content(folder_ / "out/detections.txt"), content(folder_ / "preloaded/detections.txt"));
+  const nlohmann::json read = json("out/summary.json"), preloaded = json("preloaded/summary.json");
+  EXPECT_GT(read["processor_ms_per_frame"], 0.0);
+  EXPECT_GT(preloaded["processor_ms_per_frame"], 0.0);
+  EXPECT_GT(read["median_ms"]["decode"], preloaded["median_ms"]["decode"]);
+  EXPECT_GT(read["median_ms"]["latency"], read["median_ms"]["tracking"]);
+  EXPECT_EQ(run("view", {"--preload", "--view"}), 2);
+  EXPECT_EQ(start({"run", "-", "--preload", "--out", folder_ / "stream"}), 2);
+}
+
+}  // namespace
+}  // namespace dkp_slam
