@@ -12,6 +12,15 @@ namespace {
 
 constexpr std::size_t line_capacity = 2;  // frames between two stages: evens out, keeps memory low
 
+/// Live the detector looks at no more images than a 30 Hz camera gives: with a faster one it would
+/// take all of a core, and objects are carried from one look to the next all the same.
+constexpr double least_look_ms = 30.0;
+
+void rest_until(const Stopwatch& watch, double ms) {
+  const std::chrono::duration<double, std::milli> left(ms - watch.ms());
+  if (left.count() > 0.0) std::this_thread::sleep_for(left);
+}
+
 void find_features(const OrbExtractor& extractor, PreparedFrame& prepared) {
   const TraceSpan span("features", prepared.frame.index);
   const Stopwatch watch;
@@ -130,6 +139,7 @@ void FramePipeline::detect_newest() {
     const Stopwatch watch;
     DetectionResult result = run_detector(*frame);
     if (result.answered) newest_detections_.push_newest({std::move(result), watch.ms()});
+    rest_until(watch, least_look_ms);
   }
 }
 
