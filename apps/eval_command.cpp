@@ -12,6 +12,7 @@
 #include "apps/whole_number.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/report.h"
+#include "dkp_slam/evaluation/report/evaluation_page.h"
 #include "dkp_slam/evaluation/trajectory_plot.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
@@ -37,6 +38,7 @@ struct EvalArguments {
   RelativeErrorOptions step;
   std::string json;
   std::string plot;
+  std::string html;
   bool own_step = false;  ///< the user chose the step of the relative error
 };
 
@@ -66,7 +68,7 @@ std::string figure(const EvalArguments& arguments, const Trajectory& truth,
 }
 
 void evaluate_files(const EvalArguments& arguments) {
-  for (const std::string& output : {arguments.json, arguments.plot}) {
+  for (const std::string& output : {arguments.json, arguments.plot, arguments.html}) {
     if (!output.empty() && output != standard_output) check_writable(output);
   }
   const Trajectory truth = read_trajectory(arguments.truth);
@@ -86,6 +88,10 @@ void evaluate_files(const EvalArguments& arguments) {
   }
   if (!arguments.plot.empty()) {
     write_file_atomically(arguments.plot, figure(arguments, truth, estimate, report));
+  }
+  if (!arguments.html.empty()) {
+    write_file_atomically(arguments.html, evaluation_page(truth, estimate, report, arguments.truth,
+                                                          arguments.trajectory));
   }
   if (arguments.json != standard_output) {
     write_output(standard_output, text_report(report, arguments.truth, arguments.trajectory));
@@ -173,6 +179,8 @@ void add_eval_command(CLI::App& program) {
       ->add_option("--plot", arguments->plot,
                    "Draw both paths, their differences and the error over time: .svg or .png")
       ->check(check_plot_name);
+  command->add_option("--html", arguments->html,
+                      "Write a page to look into: figures, paths, error and drift over time");
   command->callback([arguments, delta, unit, all_pairs] {
     arguments->own_step = delta->count() + unit->count() + all_pairs->count() > 0;
     evaluate_files(*arguments);

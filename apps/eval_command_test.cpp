@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -11,20 +12,21 @@
 
 #include "apps/commands.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/evaluation/report/test_markup.h"
 #include "dkp_slam/export/trajectory.h"
 
 namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class EvalCommand : public testing::Test {
+class EvalCommand : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
+    folder_ = fs::path(::testing::TempDir()) /
               (std::string("eval_command_") +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     Trajectory poses;
@@ -55,14 +57,14 @@ class EvalCommand : public testing::Test {
     std::vector<std::string> arguments = {"eval", file(truth), file(estimate)};
     arguments.insert(arguments.end(), options.begin(), options.end());
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants a vector
-    testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStdout();
     try {
       program.parse(arguments);
     } catch (...) {
-      testing::internal::GetCapturedStdout();
+      ::testing::internal::GetCapturedStdout();
       throw;
     }
-    return testing::internal::GetCapturedStdout();
+    return ::testing::internal::GetCapturedStdout();
   }
 
   fs::path folder_;
@@ -96,6 +98,12 @@ TEST_F(EvalCommand, WritesJsonAndPlotsBesideTheTable) {
   std::string magic(4, ' ');
   png.read(magic.data(), 4);
   EXPECT_EQ(magic, "\x89PNG");
+  EXPECT_THAT(run({"--html", file("e.html")}), HasSubstr("ATE"));
+  std::ifstream in(file("e.html"));
+  const std::string page((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const auto charts = dkp_slam::testing::charts_of(page);
+  ASSERT_EQ(charts.size(), 3U);
+  EXPECT_EQ(charts[0].at("series").at(1).at("x").size(), 90U);
 }
 
 TEST_F(EvalCommand, FindsAnUnwritableOutputBeforeItReads) {

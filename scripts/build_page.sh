@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the live view's page from viewer/page/src. What it makes, viewer/page/built, is part of the
-# repository and of the program, so that building the program needs no npm.
-#   scripts/build_page.sh           into viewer/page/built
+# Builds the live view's page from viewer/page/src, and script and style of the reports from
+# viewer/page/report. What it makes is part of the repository and of the program, so that building
+# the program needs no npm.
+#   scripts/build_page.sh           into viewer/page/built and dkp_slam/evaluation/report/page
 #   scripts/build_page.sh --check   changes nothing; fails where the built files are not the sources'
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../viewer/page"
@@ -22,15 +23,20 @@ fi
 if [ ! -d node_modules/vite ]; then
   npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
 fi
-if [ "${1:-}" != "--check" ]; then
+build() {
   npx vite build --logLevel warn
+  npx vite build --logLevel warn --config vite.report.config.js
+}
+report=../../dkp_slam/evaluation/report/page
+if [ "${1:-}" != "--check" ]; then
+  build
   exit
 fi
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-PAGE_FOLDER=$folder npx vite build --logLevel warn
-if ! diff -rq built "$folder"; then
-  echo "build_page.sh: viewer/page/built is not what the sources give; run scripts/build_page.sh" >&2
+PAGE_FOLDER=$folder/page REPORT_FOLDER=$folder/report build
+if ! diff -rq built "$folder/page" || ! diff -rq "$report" "$folder/report"; then
+  echo "build_page.sh: the built pages are not what the sources give; run scripts/build_page.sh" >&2
   exit 1
 fi
-echo "build_page.sh: viewer/page/built is what the sources give"
+echo "build_page.sh: the built pages are what the sources give"

@@ -5,11 +5,10 @@
 #include "apps/demo/demo.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/evaluation/report/html.h"
+#include "dkp_slam/evaluation/report/page_charts.h"
 
 namespace dkp_slam::apps {
 namespace {
-
-constexpr int chart_width = 540, chart_height = 430;
 
 std::string card(const std::string& figure, const std::string& what) {
   return fmt::format("<div class=\"card\"><b>{}</b><span>{}</span></div>\n", escaped(figure),
@@ -30,24 +29,13 @@ std::string cards(const DemoResult& result) {
          "</div>\n";
 }
 
-template <class Draw>
-std::string chart(Draw draw) {
-  const auto canvas = svg_canvas(chart_width, chart_height);
-  draw(*canvas, ChartBox{{0.0, 0.0}, {chart_width, chart_height}});
-  return canvas->encode();
-}
-
 std::string paths_section(const DemoResult& result) {
   const std::array<ScoredPath, 2> paths{result.off.path, result.best.path};
   return html_heading("The camera's path", "path") +
-         html_figure({chart([&](Canvas& canvas, const ChartBox& box) {
-                        draw_paths_from_above(canvas, box, result.truth, paths);
-                      }),
-                      chart([&](Canvas& canvas, const ChartBox& box) {
-                        draw_errors_over_time(canvas, box, paths);
-                      })},
-                     "Left: the true path and the two estimates, seen from above. Right: their "
-                     "distance from the true path over time.");
+         html_figure({path_chart(result.truth, paths), error_chart(paths)},
+                     "The true path and the two estimates, and their distance from the true path "
+                     "over time. " +
+                         chart_help());
 }
 
 std::string frames_section(const DemoResult& result) {

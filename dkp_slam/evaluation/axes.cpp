@@ -122,15 +122,10 @@ void draw_axes(Canvas& canvas, const Panel& panel, const std::vector<Tick>& x_ti
               ink);
 }
 
-double legend_width(const std::vector<LegendEntry>& entries) {
-  double width = 0.0;
-  for (const LegendEntry& entry : entries) width += legend_entry_width(entry) + 2.0 * legend_gap;
-  return width;
-}
-
 void draw_legend(Canvas& canvas, const Eigen::Vector2d& right,
                  const std::vector<LegendEntry>& entries) {
-  double x = right.x() + 2.0 * legend_gap - legend_width(entries);
+  double x = right.x() + 2.0 * legend_gap;
+  for (const LegendEntry& entry : entries) x -= legend_entry_width(entry) + 2.0 * legend_gap;
   for (const LegendEntry& entry : entries) {
     const double y = right.y() - 4.5;
     canvas.lines({{{x, y}, {x + legend_sample, y}}}, entry.colour, entry.width);

@@ -55,9 +55,6 @@ struct LegendEntry {
   double width;
 };
 
-/// About how long a row of these is, points.
-double legend_width(const std::vector<LegendEntry>& entries);
-
 /// One row whose end is at about `right`, its texts' baseline at the height of it.
 void draw_legend(Canvas& canvas, const Eigen::Vector2d& right,
                  const std::vector<LegendEntry>& entries);

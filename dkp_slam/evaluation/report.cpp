@@ -31,11 +31,6 @@ std::string step_name(const RelativeErrorOptions& step) {
   return fmt::format("RPE {:g} {}", step.delta, step.delta == 1.0 ? "frame" : "frames");
 }
 
-std::string row(const std::string& name, const std::string& unit, const ErrorStatistics& s) {
-  return fmt::format("{:<14}{:>4}{:>8}{:>11.6f}{:>11.6f}{:>11.6f}{:>11.6f}{:>11.6f}{:>11.6f}\n",
-                     name, unit, s.count, s.rmse, s.mean, s.median, s.deviation, s.min, s.max);
-}
-
 nlohmann::ordered_json json_of(const ErrorStatistics& s) {
   return {{"rmse", s.rmse},           {"mean", s.mean}, {"median", s.median},
           {"deviation", s.deviation}, {"min", s.min},   {"max", s.max}};
@@ -87,22 +82,35 @@ EvaluationReport evaluate(std::span<const StampedPose> truth, std::span<const St
   return report;
 }
 
-std::string text_report(const EvaluationReport& report, const std::string& truth_name,
-                        const std::string& estimate_name) {
-  const ErrorStatistics& ate = report.absolute.statistics;
-  std::string text =
-      fmt::format("ground truth  {}: {} poses\ntrajectory    {}: {} poses, {} compared\n\n",
-                  truth_name, report.truth_poses, estimate_name, report.estimate_poses, ate.count);
-  fmt::format_to(std::back_inserter(text), "{:<18}{:>8}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "",
-                 "pairs", "RMSE", "mean", "median", "S.D.", "min", "max");
-  text += row("ATE", "m", ate);
+std::vector<ReportRow> report_rows(const EvaluationReport& report) {
+  std::vector<ReportRow> rows{{"ATE", "m", report.absolute.statistics, ""}};
   for (const StepResult& step : report.steps) {
     if (!step.error) {
-      text += fmt::format("{:<18}  {}\n", step_name(step.options), step.problem);
+      rows.push_back({step_name(step.options), "", {}, step.problem});
       continue;
     }
-    text += row(step_name(step.options), "m", step.error->translation);
-    text += row("", "deg", scaled(step.error->rotation, degrees_per_radian));
+    rows.push_back({step_name(step.options), "m", step.error->translation, ""});
+    rows.push_back({"", "deg", scaled(step.error->rotation, degrees_per_radian), ""});
+  }
+  return rows;
+}
+
+std::string text_report(const EvaluationReport& report, const std::string& truth_name,
+                        const std::string& estimate_name) {
+  std::string text = fmt::format(
+      "ground truth  {}: {} poses\ntrajectory    {}: {} poses, {} compared\n\n", truth_name,
+      report.truth_poses, estimate_name, report.estimate_poses, report.absolute.statistics.count);
+  fmt::format_to(std::back_inserter(text), "{:<18}{:>8}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "",
+                 "pairs", "RMSE", "mean", "median", "S.D.", "min", "max");
+  for (const ReportRow& row : report_rows(report)) {
+    if (!row.problem.empty()) {
+      text += fmt::format("{:<18}  {}\n", row.name, row.problem);
+      continue;
+    }
+    const ErrorStatistics& s = row.statistics;
+    text += fmt::format("{:<14}{:>4}{:>8}{:>11.6f}{:>11.6f}{:>11.6f}{:>11.6f}{:>11.6f}{:>11.6f}\n",
+                        row.name, row.unit, s.count, s.rmse, s.mean, s.median, s.deviation, s.min,
+                        s.max);
   }
   return text;
 }

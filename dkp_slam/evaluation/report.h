@@ -40,6 +40,16 @@ struct EvaluationReport {
 EvaluationReport evaluate(std::span<const StampedPose> truth, std::span<const StampedPose> estimate,
                           const EvaluationOptions& options = {});
 
+/// A line of the report's table.
+struct ReportRow {
+  std::string name;  ///< "RPE 1 s"; empty: of the line above, in another unit
+  std::string unit;  ///< "m" or "deg"
+  ErrorStatistics statistics;
+  std::string problem;  ///< why there are no figures
+};
+
+std::vector<ReportRow> report_rows(const EvaluationReport& report);
+
 /// A table to read, metres and degrees, with a line break at the end.
 std::string text_report(const EvaluationReport& report, const std::string& truth_name,
                         const std::string& estimate_name);

@@ -12,7 +12,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/timings.h"
 #include "dkp_slam/evaluation/report/bench_tables.h"
-#include "dkp_slam/evaluation/report/charts.h"
+#include "dkp_slam/evaluation/report/page_charts.h"
 #include "dkp_slam/evaluation/report/record_set.h"
 #include "dkp_slam/export/trajectory.h"
 
@@ -21,11 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Points; two fit side by side on the page.
-constexpr int chart_width = 540, chart_height = 430;
 constexpr std::size_t runs_wanted = 3;
-
-ChartBox whole_chart() { return {{0.0, 0.0}, {chart_width, chart_height}}; }
 
 /// The median run of a configuration and what is left of it.
 struct DrawnRun {
@@ -61,13 +57,6 @@ std::optional<DrawnRun> load_run(const RecordSet& set, const RunRecord& record,
   }
 }
 
-template <class Draw>
-std::string chart(Draw draw) {
-  const auto canvas = svg_canvas(chart_width, chart_height);
-  draw(*canvas);
-  return canvas->encode();
-}
-
 std::string sequence_figure(const RecordSet& set, const std::string& sequence,
                             const fs::path& runs) {
   const fs::path truth_file = runs / sequence / "groundtruth.txt";
@@ -89,21 +78,15 @@ std::string sequence_figure(const RecordSet& set, const std::string& sequence,
     }
   }
   if (all.empty()) return "";
-  std::vector<std::string> pictures;
-  pictures.push_back(chart([&](Canvas& canvas) {
-    draw_paths_from_above(canvas, whole_chart(), truth, few.empty() ? all : few);
-  }));
-  pictures.push_back(
-      chart([&](Canvas& canvas) { draw_errors_over_time(canvas, whole_chart(), all); }));
+  std::vector<std::string> charts{path_chart(truth, few.empty() ? all : few), error_chart(all)};
   if (!times.empty()) {
-    pictures.push_back(chart([&](Canvas& canvas) {
-      draw_histogram(canvas, whole_chart(), times, "time of a frame in all [ms]");
-    }));
+    charts.push_back(histogram_chart("Time per frame", times, "time of a frame", "ms"));
   }
   return "<h3>" + escaped(sequence) + "</h3>\n" +
-         html_figure(pictures,
-                     "Paths seen from above, distance from the true path over time, and time per "
-                     "frame; of each mode the run whose ATE is the median.");
+         html_figure(charts,
+                     "Paths, distance from the true path over time, and time per frame; of each "
+                     "mode the run whose ATE is the median. " +
+                         chart_help());
 }
 
 std::string figures_section(const RecordSet& set, const fs::path& runs) {

@@ -11,8 +11,7 @@ namespace {
 using namespace chart;
 
 // Room for what stands around a panel, points.
-constexpr double left = 62.0, right = 14.0, below = 46.0;
-constexpr double legend_row = 20.0;
+constexpr double left = 62.0, right = 14.0, above = 42.0, below = 46.0;
 constexpr double path_width = 1.6;
 // Points between two ticks.
 constexpr double tick_distance_x = 70.0, tick_distance_y = 38.0;
@@ -23,35 +22,16 @@ constexpr double stray_least = 0.05;
 constexpr double ratio_for_logarithm = 4.0;
 // Smaller errors are nothing that anyone could measure, metres.
 constexpr double least_error = 1e-4;
-constexpr int histogram_steps = 50;
-
-/// The entries in rows that fit into the box.
-std::vector<std::vector<LegendEntry>> legend_rows(const ChartBox& box,
-                                                  const std::vector<LegendEntry>& entries) {
-  std::vector<std::vector<LegendEntry>> rows(1);
-  for (const LegendEntry& entry : entries) {
-    rows.back().push_back(entry);
-    if (rows.back().size() == 1 || legend_width(rows.back()) < box.size.x() - right) continue;
-    rows.back().pop_back();
-    rows.push_back({entry});
-  }
-  return rows;
-}
 
 /// The panel's place within the box, below the legend and the name of the y axis.
-ChartBox inner(const ChartBox& box, const std::vector<LegendEntry>& entries) {
-  const double above = 22.0 + legend_row * static_cast<double>(legend_rows(box, entries).size());
+ChartBox inner(const ChartBox& box) {
   return {box.top_left + Eigen::Vector2d(left, above),
           box.size - Eigen::Vector2d(left + right, above + below)};
 }
 
-void draw_legend_rows(Canvas& canvas, const ChartBox& box,
-                      const std::vector<LegendEntry>& entries) {
-  Eigen::Vector2d end = box.top_left + Eigen::Vector2d(box.size.x() - right, 14.0);
-  for (const auto& row : legend_rows(box, entries)) {
-    draw_legend(canvas, end, row);
-    end.y() += legend_row;
-  }
+void draw_legend_above(Canvas& canvas, const ChartBox& box,
+                       const std::vector<LegendEntry>& entries) {
+  draw_legend(canvas, box.top_left + Eigen::Vector2d(box.size.x() - right, 14.0), entries);
 }
 
 int ticks_along(double length, double distance) {
@@ -88,18 +68,9 @@ struct SeenPath {
   std::vector<Eigen::Vector2d> points;
 };
 
-/// The truth within the time of the estimates.
-SeenPath seen_truth(std::span<const StampedPose> truth, std::span<const ScoredPath> paths,
-                    const View& view) {
-  const double tolerance = AssociationOptions{}.max_difference;
-  double begin = paths.front().estimate.front().timestamp, end = begin;
-  for (const ScoredPath& path : paths) {
-    begin = std::min(begin, path.estimate.front().timestamp);
-    end = std::max(end, path.estimate.back().timestamp);
-  }
+SeenPath seen_truth(std::span<const StampedPose> truth, const View& view) {
   SeenPath seen;
   for (const StampedPose& pose : truth) {
-    if (pose.timestamp < begin - tolerance || pose.timestamp > end + tolerance) continue;
     seen.times.push_back(pose.timestamp);
     seen.points.push_back(view(pose.world_from_camera.translation));
   }
@@ -159,34 +130,13 @@ std::vector<Tick> logarithmic_ticks(double low, double high) {
   return result;
 }
 
-/// Shares of the values in each step, percent.
-std::vector<double> shares_of(const std::vector<double>& values, double highest) {
-  std::vector<double> shares(histogram_steps, 0.0);
-  for (const double value : values) {
-    const int step = static_cast<int>(value / highest * histogram_steps);
-    shares[static_cast<std::size_t>(std::clamp(step, 0, histogram_steps - 1))] +=
-        100.0 / static_cast<double>(values.size());
-  }
-  return shares;
-}
-
-/// The value that a hundredth of all exceed.
-double highest_shown(std::span<const FrameValues> series) {
-  std::vector<double> all;
-  for (const FrameValues& one : series) all.insert(all.end(), one.values.begin(), one.values.end());
-  if (all.empty()) return 1.0;
-  const auto at = all.begin() + static_cast<std::ptrdiff_t>(all.size() - 1 - all.size() / 100);
-  std::nth_element(all.begin(), at, all.end());
-  return std::max(1.05 * *at, 1e-3);
-}
-
 }  // namespace
 
 void draw_paths_from_above(Canvas& canvas, const ChartBox& box, std::span<const StampedPose> truth,
                            std::span<const ScoredPath> paths) {
   if (truth.empty() || paths.empty()) return;
   const View view{0, 1};
-  const SeenPath true_path = seen_truth(truth, paths, view);
+  const SeenPath true_path = seen_truth(truth_during(truth, paths), view);
   std::vector<SeenPath> estimates;
   std::vector<LegendEntry> entries{{"true path", truth_colour, 2.6}};
   for (const ScoredPath& path : paths) {
@@ -194,7 +144,7 @@ void draw_paths_from_above(Canvas& canvas, const ChartBox& box, std::span<const 
     entries.push_back({path.name, path.colour, 2.4});
   }
   if (true_path.points.empty()) return;
-  const Panel panel = panel_around(inner(box, entries), true_path, estimates);
+  const Panel panel = panel_around(inner(box), true_path, estimates);
   draw_axes(canvas, panel, x_ticks_of(panel), y_ticks_of(panel), view.across_name(),
             view.up_name());
   canvas.lines(within(panel, broken_at_gaps(true_path.times, true_path.points)), truth_colour,
@@ -203,7 +153,7 @@ void draw_paths_from_above(Canvas& canvas, const ChartBox& box, std::span<const 
     canvas.lines(within(panel, broken_at_gaps(estimates[i].times, estimates[i].points)),
                  paths[i].colour, path_width);
   }
-  draw_legend_rows(canvas, box, entries);
+  draw_legend_above(canvas, box, entries);
 }
 
 void draw_errors_over_time(Canvas& canvas, const ChartBox& box, std::span<const ScoredPath> paths) {
@@ -224,7 +174,7 @@ void draw_errors_over_time(Canvas& canvas, const ChartBox& box, std::span<const 
     entries.push_back({path.name, path.colour, 2.4});
   }
   const bool logarithmic = worst > ratio_for_logarithm * std::max(best, least_error);
-  const ChartBox place = inner(box, entries);
+  const ChartBox place = inner(box);
   Panel panel{place.top_left, place.size, {0.0, 0.0}, {length, std::max(1.05 * highest, 1e-6)}};
   if (logarithmic) {
     // A tenth of the best run's error: what lies below is drawn there.
@@ -244,34 +194,7 @@ void draw_errors_over_time(Canvas& canvas, const ChartBox& box, std::span<const 
     }
     canvas.lines(lines, path.colour, path_width);
   }
-  draw_legend_rows(canvas, box, entries);
-}
-
-void draw_histogram(Canvas& canvas, const ChartBox& box, std::span<const FrameValues> series,
-                    const std::string& x_name) {
-  std::vector<LegendEntry> entries;
-  std::vector<std::vector<double>> shares;
-  double top = 1.0;
-  const double highest = highest_shown(series);
-  for (const FrameValues& one : series) {
-    entries.push_back({one.name, one.colour, 2.4});
-    shares.push_back(shares_of(one.values, highest));
-    top = std::max(top, 1.1 * *std::max_element(shares.back().begin(), shares.back().end()));
-  }
-  const ChartBox place = inner(box, entries);
-  const Panel panel{place.top_left, place.size, {0.0, 0.0}, {highest, top}};
-  draw_axes(canvas, panel, x_ticks_of(panel), y_ticks_of(panel), x_name, "frames [%]");
-  for (std::size_t i = 0; i < series.size(); ++i) {
-    Canvas::Line outline{panel.page(Eigen::Vector2d(0.0, 0.0))};
-    for (int step = 0; step < histogram_steps; ++step) {
-      const double share = shares[i][static_cast<std::size_t>(step)];
-      outline.push_back(panel.page(Eigen::Vector2d(highest * step / histogram_steps, share)));
-      outline.push_back(panel.page(Eigen::Vector2d(highest * (step + 1) / histogram_steps, share)));
-    }
-    outline.push_back(panel.page(Eigen::Vector2d(highest, 0.0)));
-    canvas.lines({outline}, series[i].colour, path_width);
-  }
-  draw_legend_rows(canvas, box, entries);
+  draw_legend_above(canvas, box, entries);
 }
 
 }  // namespace dkp_slam

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <cstddef>
 #include <span>
-#include <string>
-#include <vector>
 
-#include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/evaluation/axes.h"
 #include "dkp_slam/evaluation/canvas.h"
+#include "dkp_slam/evaluation/report/scored_path.h"
 
 namespace dkp_slam {
 
@@ -15,14 +12,6 @@ namespace dkp_slam {
 struct ChartBox {
   Eigen::Vector2d top_left;
   Eigen::Vector2d size;
-};
-
-/// The path of one run beside the truth.
-struct ScoredPath {
-  std::string name;  ///< in the legend
-  Colour colour;
-  Trajectory estimate;
-  AbsoluteError error;  ///< of this estimate
 };
 
 /// The true path and estimated ones, aligned to it, seen along the truth's z axis: from above where
@@ -34,17 +23,5 @@ void draw_paths_from_above(Canvas& canvas, const ChartBox& box, std::span<const 
 /// Distance from the truth over time of several runs of one sequence. Where one is several times as
 /// large as another the axis is logarithmic.
 void draw_errors_over_time(Canvas& canvas, const ChartBox& box, std::span<const ScoredPath> paths);
-
-/// A value of every frame.
-struct FrameValues {
-  std::string name;
-  Colour colour;
-  std::vector<double> values;  ///< not negative
-};
-
-/// How often each value occurs, percent of the frames, as steps. The largest hundredth of all
-/// values is counted in the last step.
-void draw_histogram(Canvas& canvas, const ChartBox& box, std::span<const FrameValues> series,
-                    const std::string& x_name);
 
 }  // namespace dkp_slam

@@ -100,35 +100,12 @@ TEST(Charts, ErrorsAreLogarithmicWhereTheyDifferMuch) {
   EXPECT_EQ(points_of(svg, "#fa0102"), 100 + legend_points);
 }
 
-TEST(Charts, AHistogramHoldsEveryFrame) {
-  std::vector<double> values(90, 10.0);
-  values.resize(100, 30.0);
-  const std::vector<FrameValues> series{{"a", red, values}};
-  const std::string svg =
-      drawn([&](Canvas& canvas) { draw_histogram(canvas, box, series, "time [ms]"); });
-  EXPECT_EQ(points_of(svg, "#fa0102"), 2 + 2 * 50 + legend_points);
-  EXPECT_THAT(svg, HasSubstr(">time [ms]<"));
-  EXPECT_THAT(svg, HasSubstr(">80<"));  // percent: the tall step is 90 % high
-}
-
 TEST(Charts, ACameraAtRestAndAPerfectPathStillGivePictures) {
   Trajectory still(30);
   for (std::size_t i = 0; i < still.size(); ++i) still[i].timestamp = 0.1 * static_cast<double>(i);
   const std::vector<ScoredPath> paths{{"still", red, still, absolute_error(still, still)}};
   drawn([&](Canvas& canvas) { draw_paths_from_above(canvas, box, still, paths); });
   drawn([&](Canvas& canvas) { draw_errors_over_time(canvas, box, paths); });
-}
-
-TEST(Charts, ALongLegendGoesOnInMoreRows) {
-  std::vector<ScoredPath> paths;
-  for (int i = 0; i < 9; ++i) {
-    paths.push_back(scored("a name of length " + std::to_string(i), red, circle(0.01)));
-  }
-  const std::string svg = drawn([&](Canvas& canvas) { draw_errors_over_time(canvas, box, paths); });
-  const std::regex place("<text x=\"(-?[0-9.]+)\"[^>]*>a name");
-  for (std::sregex_iterator it(svg.begin(), svg.end(), place), end; it != end; ++it) {
-    EXPECT_GT(std::stod((*it)[1]), 0.0);
-  }
 }
 
 }  // namespace

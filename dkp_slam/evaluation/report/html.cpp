@@ -5,49 +5,15 @@
 
 #include <fmt/format.h>
 
+#include "dkp_slam/embedded_file.h"
 #include "dkp_slam/evaluation/canvas.h"
+
+// Built by scripts/build_page.sh from viewer/page/report.
+DKP_SLAM_EMBED_FILE(report_script, DKP_SLAM_REPORT_PAGE_FOLDER "/report.js");
+DKP_SLAM_EMBED_FILE(report_style, DKP_SLAM_REPORT_PAGE_FOLDER "/report.css");
 
 namespace dkp_slam {
 namespace {
-
-constexpr const char* style = R"css(
-:root { color-scheme: light; }
-* { box-sizing: border-box; }
-body { margin: 0; background: #f4f6f8; color: #24292f;
-  font: 15px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "Liberation Sans", sans-serif; }
-main { max-width: 1180px; margin: 0 auto; padding: 28px 32px 64px; background: #fff;
-  box-shadow: 0 0 24px rgba(20, 40, 60, .08); min-height: 100vh; }
-h1 { font-size: 28px; line-height: 1.2; margin: 6px 0 10px; }
-h2 { font-size: 20px; margin: 40px 0 8px; padding-top: 14px; border-top: 1px solid #e3e8ed; }
-p { margin: 8px 0; max-width: 84ch; }
-p.lead { font-size: 17px; color: #47525d; }
-p.warning { background: #fff6e0; border-left: 4px solid #e0a520; padding: 8px 12px; }
-nav { font-size: 14px; margin: 14px 0; }
-nav a { margin-right: 16px; color: #1f6ebe; text-decoration: none; }
-.scroll { overflow-x: auto; margin: 12px 0; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 14px; }
-th, td { padding: 5px 10px; text-align: right; border-bottom: 1px solid #e8ecf0; white-space: nowrap;
-  vertical-align: top; }
-th { background: #eef2f6; font-weight: 600; position: sticky; top: 0; }
-th.l, td.l { text-align: left; }
-td.wrap { white-space: normal; }
-tr.ours td { background: #eaf3fc; font-weight: 600; }
-tr.published td { color: #59636e; }
-td small { display: block; font-weight: 400; color: #76818c; font-size: 11.5px; line-height: 1.2; }
-figure { margin: 16px 0 26px; }
-figure .row { display: flex; flex-wrap: wrap; gap: 12px; }
-figure .row > * { flex: 1 1 300px; min-width: 0; max-width: 100%; height: auto; }
-figure .row > svg { flex-basis: 440px; max-width: 540px; }
-h3 { font-size: 16px; margin: 24px 0 4px; }
-figure img { border-radius: 6px; display: block; }
-figcaption { color: #59636e; font-size: 13.5px; margin-top: 6px; }
-.cards { display: flex; flex-wrap: wrap; gap: 14px; margin: 18px 0; }
-.card { flex: 1 1 180px; border: 1px solid #dfe5ea; border-radius: 10px; padding: 12px 16px; }
-.card b { display: block; font-size: 26px; line-height: 1.2; }
-.card span { color: #59636e; font-size: 13.5px; }
-footer { margin-top: 44px; color: #76818c; font-size: 13px; }
-@media print { body { background: #fff; } main { box-shadow: none; } }
-)css";
 
 std::string cell_html(const HtmlCell& cell, bool left_aligned, const char* tag) {
   // A long remark may be broken into lines; a name or a number may not.
@@ -110,9 +76,12 @@ std::string html_page(const std::string& title, const std::string& body) {
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-      "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</"
-      "html>\n",
-      escaped(title), style, body);
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src &#39;none&#39;; "
+      "script-src &#39;unsafe-inline&#39;; style-src &#39;unsafe-inline&#39;; img-src data:\"/>\n"
+      "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n{}"
+      "<noscript><p class=\"warning\">The charts need JavaScript, which is switched off "
+      "here.</p></noscript>\n</main>\n<script>{}</script>\n</body>\n</html>\n",
+      escaped(title), DKP_SLAM_EMBEDDED(report_style), body, DKP_SLAM_EMBEDDED(report_script));
 }
 
 }  // namespace dkp_slam

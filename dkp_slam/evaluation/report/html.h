@@ -40,14 +40,14 @@ class HtmlTable {
 std::string html_heading(const std::string& text, const std::string& anchor);
 /// A paragraph; the text is escaped.
 std::string html_paragraph(const std::string& text);
-/// Pictures side by side, each of them as `svg_canvas` made it or as `html_image` did, with a line
-/// of text below.
+/// Pictures side by side, each of them a chart (page_charts.h) or as `html_image` made it, with a
+/// line of text below.
 std::string html_figure(const std::vector<std::string>& pictures, const std::string& caption);
 /// A picture by its address, `data_uri`'s for one, and what is said where it cannot be seen.
 std::string html_image(const std::string& address, const std::string& alternative);
 
-/// A whole page: one file that needs no other, no network and no script. Every tag is closed, so
-/// that it is well-formed XML too. `title` is escaped, `body` is not.
+/// A whole page with the script that draws its charts: one file that needs no other and no network,
+/// which the page itself forbids. Every tag is closed. `title` is escaped, `body` is not.
 std::string html_page(const std::string& title, const std::string& body);
 
 }  // namespace dkp_slam

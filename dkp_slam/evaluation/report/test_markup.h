@@ -1,14 +1,18 @@
 #pragma once
 
+#include <algorithm>
 #include <cctype>
 #include <cstddef>
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 namespace dkp_slam::testing {
 
 /// Strict check of XML (and of pages written so): every tag closed in order, every attribute quoted
-/// and named once, every & an entity. Says the first thing that is wrong; empty when nothing is.
+/// and named once, every & an entity; a script is as long as a browser takes it to be. Says the
+/// first thing that is wrong; empty when nothing is.
 class MarkupCheck {
  public:
   explicit MarkupCheck(const std::string& text) : text_(text) {}
@@ -76,7 +80,9 @@ class MarkupCheck {
       return end_with(">");
     }
     open_.push_back(tag);
-    return end_with(">");
+    if (!end_with(">")) return false;
+    if (tag == "script") at_ = std::min(text_.find("</script", at_), text_.size());
+    return true;
   }
   bool attributes() {
     std::vector<std::string> names;
@@ -110,6 +116,18 @@ class MarkupCheck {
   std::vector<std::string> open_, seen_;
   std::string wrong_;
 };
+
+/// The data of the charts of a page, in their order.
+inline std::vector<nlohmann::json> charts_of(const std::string& page) {
+  const std::string begin = "<script type=\"application/json\">";
+  std::vector<nlohmann::json> charts;
+  for (auto at = page.find(begin); at != std::string::npos; at = page.find(begin, at + 1)) {
+    const std::size_t start = at + begin.size();
+    charts.push_back(
+        nlohmann::json::parse(page.substr(start, page.find("</script>", start) - start)));
+  }
+  return charts;
+}
 
 /// How many times `part` stands in `text`.
 inline std::size_t occurrences(const std::string& text, const std::string& part) {
