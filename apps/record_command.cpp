@@ -115,15 +115,19 @@ void add_record_command(CLI::App& program) {
       "record",
       "Writes what a camera's driver sends (docs/frame-stream.md) as a folder in TUM RGB-D format, "
       "until it ends or Ctrl-C; the folder is whole at any time.");
-  auto* sequence = command->add_option("SEQUENCE", arguments->source.name,
-                                       "- for a stream on the standard input, or a folder to copy");
+  auto* sequence =
+      command->add_option("SEQUENCE", arguments->source.name,
+                          "- for a stream on the standard input, a ROS 1 bag, or a folder to copy");
   command
       ->add_option("--source", arguments->source.name,
                    "Instead of SEQUENCE: a socket to listen at, unix:PATH, tcp:PORT or "
                    "tcp:HOST:PORT, as for run")
       ->excludes(sequence);
   command->add_option("--camera", arguments->source.camera,
-                      "Camera file, or fr1, fr2, fr3, bonn; else the stream's own");
+                      "Camera file, or fr1, fr2, fr3, bonn; else the stream's or bag's own");
+  command->add_option("--topics", arguments->source.topics,
+                      "Of a bag: COLOUR,DEPTH or COLOUR,DEPTH,CAMERA_INFO; default: found by type "
+                      "and name");
   command
       ->add_option("--reconnect", arguments->source.reconnect,
                    "Seconds that a socket waits for a driver that was cut off to come back")

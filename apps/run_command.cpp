@@ -216,6 +216,11 @@ void check_source(const RunOptions& options, const SlamConfig& config) {
     throw CLI::ValidationError("--masks",
                                "not with a stream, which brings its masks: --mode masks");
   }
+  if (!options.masks.empty() && is_bag_file(options.sequence)) {
+    throw CLI::ValidationError("--masks",
+                               "not with a bag, whose images have no names; `record` "
+                               "makes a folder of it");
+  }
 }
 
 SourceChoice choice_of(const RunOptions& options, const SlamConfig& config) {
@@ -225,6 +230,7 @@ SourceChoice choice_of(const RunOptions& options, const SlamConfig& config) {
   choice.masks = options.masks;
   choice.stream_masks = config.dynamics.mode == DynamicsMode::masks;
   choice.reconnect = options.reconnect;
+  choice.topics = options.topics;
   return choice;
 }
 

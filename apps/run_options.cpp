@@ -48,10 +48,10 @@ void add_detector_options(CLI::App& command, RunOptions& options) {
 }  // namespace
 
 void add_source_options(CLI::App& command, RunOptions& options) {
-  auto* sequence =
-      command.add_option("SEQUENCE", options.sequence,
-                         "Folder in TUM RGB-D format, or - for a frame stream on the standard "
-                         "input (docs/frame-stream.md)");
+  auto* sequence = command.add_option(
+      "SEQUENCE", options.sequence,
+      "Folder in TUM RGB-D format, a ROS 1 bag or RealSense recording, or - for a "
+      "frame stream on the standard input (docs/frame-stream.md)");
   command
       .add_option("--source", options.sequence,
                   "Instead of SEQUENCE: a socket to listen at for a driver's frame stream, "
@@ -67,9 +67,12 @@ void add_source_options(CLI::App& command, RunOptions& options) {
 }
 
 void add_run_options(CLI::App& command, RunOptions& options) {
+  command.add_option("--topics", options.topics,
+                     "Of a bag: COLOUR,DEPTH or COLOUR,DEPTH,CAMERA_INFO; default: found by type "
+                     "and name");
   command.add_option("--camera", options.camera,
                      "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else the stream's "
-                     "own, or SEQUENCE/camera.yaml, else by the folder's name");
+                     "or bag's own, or SEQUENCE/camera.yaml, else by the folder's name");
   add_shortcut(command, options.config, "--mode", "mode",
                "What is removed: off (nothing), masks (what --masks say), paper (the paper to the "
                "letter), d (boxes), dk "

@@ -13,7 +13,8 @@ namespace dkp_slam::apps {
 
 /// What the user asked of `dkp-slam run`.
 struct RunOptions {
-  std::string sequence;  ///< a folder, or the address of a stream
+  std::string sequence;  ///< a folder, a bag, or the address of a stream
+  std::string topics;    ///< of a bag; empty: found
   std::string camera;
   std::filesystem::path out, classes;
   std::filesystem::path map;         ///< file to go on from and to keep up to date; empty for none

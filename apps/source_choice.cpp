@@ -1,5 +1,6 @@
 #include "apps/source_choice.h"
 
+#include <filesystem>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -7,6 +8,7 @@
 #include "apps/camera_choice.h"
 #include "apps/progress.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/sensor/bag/bag_source.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/stream/stream_source.h"
 #include "dkp_slam/sensor/tum_source.h"
@@ -39,14 +41,48 @@ OpenedSource open_driver(const SourceChoice& choice) {
   return opened;
 }
 
+OpenedSource open_bag_file(const SourceChoice& choice) {
+  OpenedSource opened;
+  DepthCorrection correction;
+  if (!choice.camera.empty()) {
+    opened.camera_name = choose_camera(choice.name, choice.camera);
+    opened.camera = load_camera(opened.camera_name);
+    correction = load_depth_correction(opened.camera_name);
+  }
+  BagOptions options;
+  if (!choice.topics.empty()) options.topics = parse_topics(choice.topics);
+  auto bag = open_bag(choice.name, options);
+  if (choice.camera.empty()) {
+    if (!bag->own_camera()) {
+      throw Error(bag->description() +
+                  ": has no camera_info of its colour images; give a camera file with --camera");
+    }
+    opened.camera = *bag->own_camera();
+    opened.camera_name = opened.camera.name;
+    spdlog::info("camera: {}", opened.camera_name);
+  }
+  bag->use_camera(opened.camera, correction);
+  opened.source = std::move(bag);
+  return opened;
+}
+
 }  // namespace
 
 bool is_stream(const std::string& name) { return StreamAddress::looks_like(name); }
 
 bool is_socket(const std::string& name) { return is_stream(name) && name != "-"; }
 
+bool is_bag_file(const std::string& name) {
+  const std::filesystem::path path = name;
+  std::error_code ignored;
+  return is_bag(name) ||
+         (path.extension() == ".bag" && !std::filesystem::is_directory(path, ignored));
+}
+
 OpenedSource open_source(const SourceChoice& choice) {
   if (is_stream(choice.name)) return open_driver(choice);
+  if (is_bag_file(choice.name)) return open_bag_file(choice);
+  if (!choice.topics.empty()) throw Error(choice.name + ": is no bag, so --topics means nothing");
   OpenedSource opened;
   opened.camera_name = choose_camera(choice.name, choice.camera);
   if (choice.camera.empty()) spdlog::info("camera: {}", opened.camera_name);

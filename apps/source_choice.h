@@ -11,25 +11,29 @@ namespace dkp_slam::apps {
 
 /// Where frames come from, as the user says it.
 struct SourceChoice {
-  std::string name;             ///< a folder, "-", "unix:PATH" or "tcp:..."
+  std::string name;             ///< a folder, a bag, "-", "unix:PATH" or "tcp:..."
   std::string camera;           ///< --camera; may be empty
   std::filesystem::path masks;  ///< of a folder; empty for none
   bool stream_masks = false;    ///< take those that a stream brings
   double reconnect = 30.0;      ///< seconds that a socket waits for a driver to come back
+  std::string topics;           ///< of a bag: "COLOUR,DEPTH[,CAMERA_INFO]"; empty: found
 };
 
-/// "-", or a socket's address; else it is a folder.
+/// "-", or a socket's address; else it is a folder or a bag.
 bool is_stream(const std::string& name);
 bool is_socket(const std::string& name);
+/// A ROS 1 bag, or what is called like one.
+bool is_bag_file(const std::string& name);
 
 struct OpenedSource {
   std::unique_ptr<RgbdSource> source;
   Camera camera;
-  std::string camera_name;  ///< its file, or that the stream brought it
+  std::string camera_name;  ///< its file, or who brought it
 };
 
-/// Opens a folder, or waits for the first driver of a stream. The camera is that of --camera, else
-/// the stream's own or what the folder tells (choose_camera). Ctrl-C ends the wait. Throws `Error`.
+/// Opens a folder or a bag, or waits for the first driver of a stream. The camera is that of
+/// --camera, else the stream's or bag's own or what the folder tells (choose_camera). Ctrl-C ends
+/// the wait. Throws `Error`.
 OpenedSource open_source(const SourceChoice& choice);
 
 }  // namespace dkp_slam::apps

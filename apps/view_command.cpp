@@ -12,6 +12,7 @@
 #include "apps/progress.h"
 #include "apps/run_command.h"
 #include "apps/run_view.h"
+#include "apps/source_choice.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/map/map_changes.h"
 #include "dkp_slam/map_file/map_file.h"
@@ -95,8 +96,10 @@ void add_view_command(CLI::App& program) {
       "Show a run on a web page while it lasts and after it, or what a map file holds; see "
       "docs/view.md. Prints the page's address and ends with Ctrl-C.");
   command
-      ->add_option("SEQUENCE|MAP", arguments->run.sequence,
-                   "Folder in TUM RGB-D format, which is run as by `dkp-slam run`, or a map file")
+      ->add_option(
+          "SEQUENCE|MAP", arguments->run.sequence,
+          "Folder in TUM RGB-D format or ROS 1 bag, which is run as by `dkp-slam run`, or a "
+          "map file")
       ->required();
   add_server_options(*command, arguments->run.view);
   command->add_flag("--paused", arguments->run.view.paused,
@@ -106,7 +109,7 @@ void add_view_command(CLI::App& program) {
                       "Folder for the results, as of a run; without it none are kept");
   add_run_options(*command, arguments->run);
   command->callback([arguments, command] {
-    if (fs::is_regular_file(arguments->run.sequence)) {
+    if (fs::is_regular_file(arguments->run.sequence) && !is_bag_file(arguments->run.sequence)) {
       check_for_map(*command);
       view_map(*arguments);
     } else {

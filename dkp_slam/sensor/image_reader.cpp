@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include <opencv2/imgproc.hpp>
 
@@ -80,6 +81,12 @@ ImageRead ImageReader::read_unchanged(const std::string& path) {
   return decode();
 }
 
+ImageRead ImageReader::unchanged_of(std::span<const std::uint8_t> file) {
+  file_.assign(file.begin(), file.end());
+  if (file_.empty()) return {{}, "there are no data"};
+  return decode();
+}
+
 ImageRead ImageReader::decode() {
   ImageRead result;
   if (stated_pixels(file_) > most_pixels_) {
@@ -139,6 +146,17 @@ cv::Mat depth_in_metres(const cv::Mat& raw, double units_per_metre, double min_d
     }
   }
   return metres;
+}
+
+void keep_depth_range(cv::Mat& metres, double min_depth, double max_depth) {
+  CV_Assert(metres.type() == CV_32FC1);
+  const auto nearest = static_cast<float>(min_depth);
+  const auto farthest = static_cast<float>(max_depth);
+  for (int y = 0; y < metres.rows; ++y) {
+    for (float& depth : std::span(metres.ptr<float>(y), static_cast<std::size_t>(metres.cols))) {
+      if (!(depth >= nearest && depth <= farthest)) depth = 0.0F;
+    }
+  }
 }
 
 cv::Mat depth_in_units(const cv::Mat& metres, double units_per_metre) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ class ImageReader {
   ImageRead read_colour(const std::string& path);
   /// Grey as stored, 8 or 16 bits, colour as CV_8UC3; of a depth image the caller checks the type.
   ImageRead read_unchanged(const std::string& path);
+  /// The same of a file's bytes.
+  ImageRead unchanged_of(std::span<const std::uint8_t> file);
   /// CV_8UC1. Only PNG files of 8-bit grey values: converted from anything else (a palette, a JPEG)
   /// 0 would no longer mean 0.
   ImageRead read_grey_png(const std::string& path);
@@ -46,6 +49,9 @@ class ImageReader {
 /// [min_depth, max_depth] (metres).
 cv::Mat depth_in_metres(const cv::Mat& raw, double units_per_metre, double min_depth,
                         double max_depth);
+
+/// CV_32FC1 metres as they came: what is outside [min_depth, max_depth], or no number, becomes 0.
+void keep_depth_range(cv::Mat& metres, double min_depth, double max_depth);
 
 /// The way back: CV_32FC1 metres to CV_16UC1 units, rounded; 0 where 16 bits do not reach.
 cv::Mat depth_in_units(const cv::Mat& metres, double units_per_metre);

@@ -24,15 +24,6 @@ std::span<char> bytes_of(cv::Mat& image) {
   return {reinterpret_cast<char*>(image.data), image.total() * image.elemSize()};
 }
 
-/// Metres as a driver gives them: what is no distance in the camera's range becomes 0.
-void keep_range(cv::Mat& metres, const Camera& camera) {
-  const auto nearest = static_cast<float>(camera.min_depth);
-  const auto farthest = static_cast<float>(camera.max_depth);
-  for (float& depth : std::span(metres.ptr<float>(), metres.total())) {
-    if (!(depth >= nearest && depth <= farthest)) depth = 0.0F;
-  }
-}
-
 class ByteSource : public StreamSource {
  public:
   ByteSource(const StreamAddress& address, const StreamOptions& options)
@@ -177,7 +168,7 @@ class ByteSource : public StreamSource {
     if (units) {
       depth = depth_in_metres(depth, header_.depth_scale, camera_.min_depth, camera_.max_depth);
     } else {
-      keep_range(depth, camera_);
+      keep_depth_range(depth, camera_.min_depth, camera_.max_depth);
     }
     frame.depth = depth;
     take_mask(mask, frame);

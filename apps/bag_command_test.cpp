@@ -1,0 +1,119 @@
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/test_program.h"
+#include "apps/test_sequence.h"
+#include "dkp_slam/map_file/test_folder.h"
+#include "dkp_slam/sensor/bag/test_bag.h"
+#include "dkp_slam/sensor/tum_source.h"
+
+namespace dkp_slam {
+namespace {
+
+namespace fs = std::filesystem;
+using dkp_slam::testing::Program;
+using dkp_slam::testing::TestBag;
+using dkp_slam::testing::WallSequence;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr int frame_count = 12;
+
+/// The program, given a bag.
+class BagCommand : public testing::FolderTest {
+ protected:
+  void SetUp() override {
+    FolderTest::SetUp();
+    sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", frame_count);
+  }
+  std::string bag() const { return folder_ / "wall.bag"; }
+  void write_bag(const std::string& depth_encoding = "16UC1") const {
+    TestBag out(bag());
+    const Camera& camera = sequence_->camera;
+    out.info("/camera/rgb/camera_info", 10.0, {camera.width, camera.height}, camera.fx);
+    const auto source = open_tum_folder(sequence_->folder(), camera);
+    while (const auto frame = source->read()) {
+      cv::Mat millimetres;
+      frame->depth.convertTo(millimetres, CV_16U, 1000.0);
+      out.image("/camera/rgb/image_color", frame->timestamp, frame->colour, "bgr8");
+      out.image("/camera/depth/image", frame->timestamp, millimetres, depth_encoding);
+    }
+  }
+  int program(std::vector<std::string> arguments) {
+    const Program started(folder_, std::move(arguments), {"HOME=" + folder_.string()});
+    const int code = started.wait();
+    err_ = started.err();
+    out_ = started.out();
+    return code;
+  }
+
+  std::unique_ptr<WallSequence> sequence_;
+  std::string out_, err_;
+};
+
+TEST_F(BagCommand, RunFindsTheSamePathAsInTheFolder) {
+  write_bag();
+  const auto path_of = [&](const std::string& sequence, const fs::path& out) {
+    EXPECT_EQ(program({"run", sequence, "--mode", "off", "--out", out}), 0) << err_;
+    return read_trajectory(out / "trajectory.txt");
+  };
+  const Trajectory of_bag = path_of(bag(), folder_ / "of_bag");
+  EXPECT_THAT(err_, AllOf(HasSubstr("/camera/rgb/image_color"), HasSubstr("/camera/depth/image")));
+  const Trajectory of_folder = path_of(sequence_->folder(), folder_ / "of_folder");
+  ASSERT_EQ(of_bag.size(), static_cast<std::size_t>(frame_count));
+  ASSERT_EQ(of_folder.size(), of_bag.size());
+  for (std::size_t i = 0; i < of_bag.size(); ++i) {
+    EXPECT_NEAR(of_bag[i].timestamp, of_folder[i].timestamp, 1e-6);
+    const Se3 difference = of_bag[i].world_from_camera.inverse() * of_folder[i].world_from_camera;
+    EXPECT_NEAR(difference.translation.norm(), 0.0, 1e-5);
+  }
+}
+
+TEST_F(BagCommand, RecordMakesAFolderOfIt) {
+  write_bag();
+  ASSERT_EQ(program({"record", bag(), "--out", folder_ / "copy", "--topics",
+                     "/camera/rgb/image_color,/camera/depth/image"}),
+            0)
+      << err_;
+  EXPECT_THAT(out_, HasSubstr(fmt::format("{} frames in ", frame_count)));
+  const auto copy = open_tum_folder(folder_ / "copy", load_camera(folder_ / "copy/camera.yaml"));
+  const auto original = open_tum_folder(sequence_->folder(), sequence_->camera);
+  for (int i = 0; i < frame_count; ++i) {
+    const auto a = copy->read(), b = original->read();
+    ASSERT_TRUE(a && b);
+    EXPECT_NEAR(a->timestamp, b->timestamp, 1e-6);
+    EXPECT_EQ(cv::norm(a->colour, b->colour, cv::NORM_INF), 0.0);
+    EXPECT_EQ(cv::norm(a->depth, b->depth, cv::NORM_INF), 0.0);
+  }
+}
+
+TEST_F(BagCommand, WhatIsWrongIsOneLineAndLeavesNothing) {
+  const fs::path out = folder_ / "out";
+  const auto expect_refusal = [&](const std::vector<std::string>& options, int code,
+                                  const std::string& reason) {
+    std::vector<std::string> arguments{"run", bag(), "--mode", "off", "--out", out};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    EXPECT_EQ(program(arguments), code) << reason;
+    EXPECT_THAT(err_, HasSubstr(reason));
+    EXPECT_FALSE(fs::exists(out)) << reason;
+  };
+  expect_refusal({}, 1, "wall.bag: no such file");
+  write_bag("8UC4");
+  expect_refusal({}, 1, "/camera/depth/image: its encoding \"8UC4\" is not known for depth");
+  expect_refusal({"--topics", "/camera/rgb/image_color"}, 1, "must be COLOUR,DEPTH");
+  expect_refusal({"--topics", "/camera/rgb/image_color,/depth"}, 1, "has no images in /depth");
+  expect_refusal({"--masks", folder_}, 2, "--masks: not with a bag");
+  write_bag();
+  fs::resize_file(bag(), fs::file_size(bag()) / 2);
+  expect_refusal({}, 1, "cut off");
+}
+
+}  // namespace
+}  // namespace dkp_slam

@@ -1,0 +1,193 @@
+#include "dkp_slam/sensor/bag/bag_source.h"
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dkp_slam/error.h"
+#include "dkp_slam/map_file/test_folder.h"
+#include "dkp_slam/sensor/bag/test_bag.h"
+
+namespace dkp_slam {
+namespace {
+
+namespace fs = std::filesystem;
+using dkp_slam::testing::TestBag;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+class BagSourceTest : public testing::FolderTest {
+ protected:
+  std::string file() const { return folder_ / "test.bag"; }
+  std::unique_ptr<BagSource> opened() const {
+    auto bag = open_bag(file());
+    bag->use_camera(bag->own_camera().value());
+    return bag;
+  }
+};
+
+TEST_F(BagSourceTest, GivesPixelsAndStampsAsTheyWereRecorded) {
+  const cv::Mat colour = TestBag::pattern(), depth(4, 6, CV_16UC1, cv::Scalar(1500));
+  {
+    TestBag bag(file());
+    bag.info("/camera/rgb/camera_info", 1.0, {6, 4}, 500.0);
+    for (int i = 0; i < 3; ++i) {
+      bag.image("/camera/rgb/image_color", 1.0 + i / 10.0, colour + cv::Scalar::all(i), "bgr8");
+      bag.image("/camera/depth/image", 1.004 + i / 10.0, depth, "16UC1");
+    }
+  }
+  const auto bag = opened();
+  EXPECT_EQ(bag->own_camera()->fx, 500.0);
+  EXPECT_EQ(bag->own_camera()->frame_rate, 10.0);
+  for (int i = 0; i < 3; ++i) {
+    const auto frame = bag->read();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->index, i);
+    EXPECT_DOUBLE_EQ(frame->timestamp, 1.0 + i / 10.0);
+    EXPECT_NEAR(frame->depth_delay, 0.004, 1e-6);
+    EXPECT_EQ(cv::norm(frame->colour, colour + cv::Scalar::all(i), cv::NORM_INF), 0.0);
+    EXPECT_EQ(cv::norm(frame->depth, cv::Mat(4, 6, CV_32FC1, cv::Scalar(1.5F)), cv::NORM_INF), 0.0);
+  }
+  EXPECT_FALSE(bag->read());
+  EXPECT_EQ(bag->skipped(), 0U);
+}
+
+TEST_F(BagSourceTest, ReadsOtherEncodings) {
+  const cv::Mat colour = TestBag::pattern();
+  cv::Mat rgb = TestBag::pattern();
+  for (int y = 0; y < rgb.rows; ++y) {
+    for (int x = 0; x < rgb.cols; ++x)
+      std::swap(rgb.at<cv::Vec3b>(y, x)[0], rgb.at<cv::Vec3b>(y, x)[2]);
+  }
+  {
+    TestBag bag(file());
+    bag.info("/cam/color/camera_info", 1.0, {6, 4}, 500.0);
+    bag.image("/cam/color/image_raw", 1.0, rgb, "rgb8");
+    bag.image("/cam/depth_registered/image", 1.0, cv::Mat(4, 6, CV_32FC1, cv::Scalar(2.5F)),
+              "32FC1");
+  }
+  const auto frame = opened()->read();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(cv::norm(frame->colour, colour, cv::NORM_INF), 0.0);
+  EXPECT_EQ(frame->depth.at<float>(2, 3), 2.5F);
+}
+
+TEST_F(BagSourceTest, RegistersTheDepthOfARealSenseRecording) {
+  const std::string depth = "/device_0/sensor_0/Depth_0", colour = "/device_0/sensor_1/Color_0";
+  {
+    TestBag bag(file());
+    bag.info(depth + "/info/camera_info", 0.0, {6, 4}, 100.0);
+    bag.info(colour + "/info/camera_info", 0.0, {6, 4}, 100.0, 0.25);
+    bag.transform(depth + "/tf/0", {});
+    // Points of the device are 4 cm further to the left for the colour camera.
+    bag.transform(colour + "/tf/0", {{1, 0, 0, 0}, {-0.04, 0, 0}});
+    bag.number("/device_0/sensor_0/option/Depth_Units/value", 0.0005F);
+    bag.image(colour + "/image/data", 5.0, TestBag::pattern(), "rgb8");
+    cv::Mat units(4, 6, CV_16UC1, cv::Scalar(0));
+    units.at<std::uint16_t>(1, 4) = 4000;  // 2 m
+    bag.image(depth + "/image/data", 5.0, units, "mono16");
+  }
+  const auto frame = opened()->read();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(cv::countNonZero(frame->depth), 1);
+  EXPECT_FLOAT_EQ(frame->depth.at<float>(1, 2), 2.0F);
+}
+
+TEST_F(BagSourceTest, DepthOutsideTheCamerasRangeIsUnknown) {
+  {
+    TestBag bag(file());
+    bag.info("/rgb/camera_info", 1.0, {6, 4}, 500.0);
+    bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
+    cv::Mat depth(4, 6, CV_16UC1, cv::Scalar(1500));
+    depth.at<std::uint16_t>(0, 0) = 20000;
+    bag.image("/depth/image", 1.0, depth, "16UC1");
+  }
+  const auto bag = open_bag(file());
+  bag->use_camera(*bag->own_camera(), {.delay = 0.01, .bias = 0.25});
+  const auto frame = bag->read();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->depth.at<float>(0, 0), 0.0F);
+  EXPECT_EQ(frame->depth.at<float>(0, 1), 1.75F);
+  EXPECT_NEAR(frame->depth_delay, 0.01, 1e-9);
+}
+
+TEST_F(BagSourceTest, SkipsAnImageThatCannotBeRead) {
+  {
+    TestBag bag(file());
+    bag.info("/rgb/camera_info", 1.0, {6, 4}, 500.0);
+    for (int i = 0; i < 3; ++i) {
+      bag.image("/rgb/image", 1.0 + i, TestBag::pattern(), i == 1 ? "strange" : "bgr8");
+      bag.image("/depth/image", 1.0 + i, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
+    }
+  }
+  const auto bag = opened();
+  EXPECT_EQ(bag->read()->index, 0);
+  EXPECT_EQ(bag->read()->index, 2);
+  EXPECT_FALSE(bag->read());
+  EXPECT_EQ(bag->skipped(), 1U);
+}
+
+TEST_F(BagSourceTest, SaysWhatIsWrongWithABag) {
+  const auto opening = [this] { open_bag(file()); };
+  EXPECT_THAT(opening,
+              ThrowsMessage<Error>(AllOf(HasSubstr("test.bag"), HasSubstr("no such file"))));
+  std::ofstream(file()) << "something else";
+  EXPECT_THAT(opening, ThrowsMessage<Error>(HasSubstr("test.bag: is no ROS 1 bag")));
+  TestBag(file()).image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
+  EXPECT_THAT(opening,
+              ThrowsMessage<Error>(AllOf(HasSubstr("no depth images"), HasSubstr("/rgb/image"))));
+  const cv::Mat depth(4, 6, CV_16UC1, cv::Scalar(1500));
+  {
+    TestBag bag(file());
+    bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
+    bag.image("/depth/image", 2.0, depth, "16UC1");
+  }
+  EXPECT_THAT(opening,
+              ThrowsMessage<Error>(HasSubstr("none of 1 colour images has a depth image")));
+  {
+    TestBag bag(file());
+    bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
+    bag.image("/depth/image", 1.0, depth, "strange");
+  }
+  EXPECT_THAT(opening, ThrowsMessage<Error>(AllOf(HasSubstr("/depth/image"),
+                                                  HasSubstr("\"strange\" is not known"))));
+  {
+    TestBag bag(file());
+    bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
+    bag.image("/depth/image", 1.0, depth.rowRange(0, 2), "16UC1");
+  }
+  Camera camera;
+  camera.fx = camera.fy = 500.0;
+  camera.width = 6;
+  camera.height = 4;
+  EXPECT_FALSE(open_bag(file())->own_camera());
+  EXPECT_THAT([&] { open_bag(file())->use_camera(camera); },
+              ThrowsMessage<Error>(HasSubstr("must be registered")));
+  camera.width = 7;
+  EXPECT_THAT([&] { open_bag(file())->use_camera(camera); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("6 x 4"), HasSubstr("7 x 4"))));
+}
+
+TEST_F(BagSourceTest, ABagThatWasCutOffIsOneLine) {
+  {
+    TestBag bag(file());
+    for (int i = 0; i < 50; ++i) {
+      bag.image("/rgb/image", 1.0 + i, TestBag::pattern(), "bgr8");
+      bag.image("/depth/image", 1.0 + i, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
+    }
+  }
+  const auto whole = fs::file_size(file());
+  for (const auto size : {whole - 10, whole / 2, std::uintmax_t{5000}, std::uintmax_t{20}}) {
+    fs::resize_file(file(), size);
+    EXPECT_THAT([this] { open_bag(file()); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("test.bag"), HasSubstr("cut off"))))
+        << size;
+  }
+}
+
+}  // namespace
+}  // namespace dkp_slam
