@@ -34,7 +34,7 @@ constexpr double same_time = 2e-6;  // seconds: trajectories have microseconds
 constexpr double longest_step = 0.2;
 
 /// A frame at a pose that is known.
-using UseView = std::function<void(const DepthView&)>;
+using UseView = std::function<void(const StaticView&)>;
 
 /// Camera and images of a sequence.
 struct Images {
@@ -246,8 +246,8 @@ void export_dense(const DenseExport& dense, const fs::path& run, const Trajector
     constexpr double share_of_free = 0.25;
     free = std::make_unique<FreeSpace>(camera, dense.band.cell, share_of_free * dense.map.memory);
   }
-  images.play("export: room", [&](const DepthView& view) { map.reserve(view); });
-  const std::size_t used = images.play("export: fuse", [&](const DepthView& view) {
+  images.play("export: room", [&](const StaticView& view) { map.reserve(view); });
+  const std::size_t used = images.play("export: fuse", [&](const StaticView& view) {
     map.fuse(view);
     if (free) free->add(view, map.options().truncation);
   });

@@ -116,7 +116,7 @@ bool pose_at(const Trajectory& path, double time, Se3& pose) {
 }
 
 void add_rest(const DepthViewer& viewer, const RgbdFrame& frame, const Se3& pose, Places& rest) {
-  const DepthView view = viewer.view(frame, pose);
+  const StaticView view = viewer.view(frame, pose);
   const cv::Mat all(view.surface.size(), CV_8UC1, cv::Scalar(1));
   add_points(viewer.camera(), view.surface, all, pose, frame.index, rest);
 }

@@ -12,7 +12,7 @@ usage: scripts/setup.sh [--checks] [--with NAME,...] [--no-apt] [--no-onnxruntim
                        fuzz: clang with libFuzzer, for scripts/fuzz.sh
                        python: for the Python module, its tests and its wheel
                        dense: OctoMap, for `dkp-slam export --octomap`
-                       ros: for ROS 1 bags and RealSense recordings
+                       ros: for ROS 1 bags, RealSense recordings and the ROS node
                        page-tests: a browser and what drives it, for the tests of the live view's page
   --no-apt           leave system packages alone (they are there, or another tool manages them)
   --no-onnxruntime   do not fetch ONNX Runtime; YOLOX then runs on OpenCV's dnn, about 4 times slower
@@ -56,7 +56,9 @@ for extra in "${extras[@]}"; do
       packages+=(pybind11-dev python3-dev python3-matplotlib python3-numpy python3-pip python3-pytest
                  python3-wheel) ;;
     dense) packages+=(liboctomap-dev) ;;
-    ros) packages+=(librosbag-storage-dev libsensor-msgs-dev) ;;
+    ros)
+      packages+=(libnav-msgs-dev librosbag-storage-dev libroscpp-dev libsensor-msgs-dev
+                 libtf2-msgs-dev python3-roslaunch) ;;
     page-tests) packages+=(chromium) ;;
     *) echo "setup.sh: --with '$extra' is none of: dense, fuzz, page-tests, python, ros" >&2; exit 2 ;;
   esac

@@ -58,7 +58,7 @@ void add_colour(Voxel& voxel, const cv::Vec3b& bgr) {
 
 /// Where a view sees points of the world, and how it judges depth.
 struct DenseMap::Projection {
-  Projection(const Camera& camera, const DepthView& from, double truncation)
+  Projection(const Camera& camera, const StaticView& from, double truncation)
       : view(from),
         fx(static_cast<float>(camera.fx)),
         fy(static_cast<float>(camera.fy)),
@@ -111,7 +111,7 @@ struct DenseMap::Projection {
            v < static_cast<float>(view.surface.rows) + margin;
   }
 
-  const DepthView& view;
+  const StaticView& view;
   float fx, fy, cx, cy;
   float row_time, middle_row;  ///< seconds from row to row
   float truncation;
@@ -128,7 +128,7 @@ double DenseMap::megabytes() const {
   return static_cast<double>(grid_.size() * sizeof(BlockGrid<Voxel>::Block)) / bytes_per_megabyte;
 }
 
-void DenseMap::reserve(const DepthView& view) {
+void DenseMap::reserve(const StaticView& view) {
   const double block = options_.voxel * side, reach = options_.truncation + options_.voxel;
   // Half a block from step to step misses corners only.
   const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * reach / (0.5 * block))));
@@ -151,7 +151,7 @@ void DenseMap::reserve(const DepthView& view) {
   }
 }
 
-void DenseMap::fuse(const DepthView& view) {
+void DenseMap::fuse(const StaticView& view) {
   const Projection to(camera_, view, options_.truncation);
   cv::parallel_for_(cv::Range(0, static_cast<int>(grid_.size())), [&](const cv::Range& blocks) {
     for (int b = blocks.start; b < blocks.end; ++b) fuse_block(to, static_cast<std::size_t>(b));
@@ -165,7 +165,7 @@ void DenseMap::fuse_block(const Projection& to, std::size_t block) {
   const Eigen::Matrix3f step = to.rotation * voxel_size;
   constexpr float half = 0.5F * (side - 1);
   if (!to.sees(first + step * Eigen::Vector3f::Constant(half), half * 1.75F * voxel_size)) return;
-  const DepthView& view = to.view;
+  const StaticView& view = to.view;
   Voxel* at = grid_.block(block).data();
   for (int z = 0; z < side; ++z) {
     for (int y = 0; y < side; ++y) {

@@ -47,9 +47,9 @@ class DenseMap {
 
   /// Makes room along the surfaces of a view. To be called for all views before the first is fused:
   /// then a voxel is told also of the views through it before something appeared there.
-  void reserve(const DepthView& view);
+  void reserve(const StaticView& view);
   /// Fuses a view where room was made.
-  void fuse(const DepthView& view);
+  void fuse(const StaticView& view);
 
   const DenseMapOptions& options() const { return options_; }
   const BlockGrid<Voxel>& voxels() const { return grid_; }

@@ -34,12 +34,12 @@ const AlignedBox3d guest(Vector3d(-0.2, -0.2, 1.0), Vector3d(0.2, 0.2, 1.3));
 SurfaceMesh fused(const DepthViewer& viewer, int views, const std::function<Scene(int)>& scene,
                   const DenseMapOptions& options = {}) {
   DenseMap map(viewer.camera(), options);
-  std::vector<DepthView> all;
+  std::vector<StaticView> all;
   for (int i = 0; i < views; ++i) {
     all.push_back(viewer.view(seen(viewer.camera(), scene(i), swaying(i)), swaying(i)));
   }
-  for (const DepthView& view : all) map.reserve(view);
-  for (const DepthView& view : all) map.fuse(view);
+  for (const StaticView& view : all) map.reserve(view);
+  for (const StaticView& view : all) map.fuse(view);
   return extract_surface(map);
 }
 
@@ -111,7 +111,7 @@ TEST(DenseMap, WhatLiesInMasksNeverEnters) {
   for (int i = 0; i < 12; ++i) {
     RgbdFrame frame = seen(viewer.camera(), both(wall(2.0), box(guest)), swaying(i));
     frame.mask = frame.depth < 1.6F;
-    const DepthView view = viewer.view(frame, swaying(i));
+    const StaticView view = viewer.view(frame, swaying(i));
     map.reserve(view);
     map.fuse(view);
   }
@@ -127,7 +127,7 @@ TEST(DenseMap, WhoIsMaskedInSomeViewsOnlyNeverEntersEither) {
     for (int i = 0; i < 24; ++i) {
       RgbdFrame frame = seen(viewer.camera(), both(wall(2.0), box(guest)), swaying(i));
       frame.mask = frame.depth < (i % masked_every == 0 ? 1.6F : 0.0F);
-      const DepthView view = viewer.view(frame, swaying(i));
+      const StaticView view = viewer.view(frame, swaying(i));
       map.reserve(view);
       map.fuse(view);
     }
@@ -153,7 +153,7 @@ TEST(DenseMap, TheRowsOfARollingShutterSeeFromTheirOwnPlaces) {
           testing::seen_by_rows(camera, both(wall(2.0), ball(centre, radius)), [&](int row) {
             return Se3::exp(velocity * (double(row) / camera.height - 0.5) * camera.readout);
           });
-      const DepthView view = viewer.view(frame, {}, told);
+      const StaticView view = viewer.view(frame, {}, told);
       map.reserve(view);
       map.fuse(view);
     }
@@ -194,7 +194,7 @@ TEST(DenseMap, MemoryHasABoundAndWhatThereIsStays) {
   options.memory = 1.0;
   const DepthViewer viewer(small_camera());
   DenseMap map(viewer.camera(), options);
-  const DepthView view = viewer.view(seen(viewer.camera(), wall(2.0)), {});
+  const StaticView view = viewer.view(seen(viewer.camera(), wall(2.0)), {});
   map.reserve(view);
   EXPECT_TRUE(map.full());
   EXPECT_LE(map.megabytes(), 1.0);

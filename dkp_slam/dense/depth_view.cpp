@@ -75,10 +75,10 @@ void DepthViewer::split_depth(const RgbdFrame& frame, cv::Mat& still, cv::Mat& m
   }
 }
 
-DepthView DepthViewer::view(const RgbdFrame& frame, const Se3& world_from_camera,
-                            const Vector6d& velocity) const {
+StaticView DepthViewer::view(const RgbdFrame& frame, const Se3& world_from_camera,
+                             const Vector6d& velocity) const {
   check(frame);
-  DepthView view;
+  StaticView view;
   view.world_from_camera = world_from_camera;
   view.velocity = velocity;
   if (map_x_.empty()) {

@@ -20,7 +20,7 @@ struct DepthViewOptions {
 
 /// What one depth image says about the static world. All images CV_32FC1 or CV_8UC3 of the camera's
 /// size, free of lens distortion; metres, 0 where nothing is known or was left out.
-struct DepthView {
+struct StaticView {
   cv::Mat surface;        ///< where surfaces are: outside masks, away from depth edges
   cv::Mat nearest;        ///< nothing is nearer than this, in a pixel or in those around it
   cv::Mat moving;         ///< depth of what lies in a mask; empty without masks
@@ -39,8 +39,8 @@ class DepthViewer {
 
   /// Colour, depth and mask of the frame must be of the camera's size; without a mask all of it is
   /// taken for static. Throws `Error` for images of another type or size.
-  DepthView view(const RgbdFrame& frame, const Se3& world_from_camera,
-                 const Vector6d& velocity = Vector6d::Zero()) const;
+  StaticView view(const RgbdFrame& frame, const Se3& world_from_camera,
+                  const Vector6d& velocity = Vector6d::Zero()) const;
 
   const Camera& camera() const { return camera_; }
   const DepthViewOptions& options() const { return options_; }

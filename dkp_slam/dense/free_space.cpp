@@ -29,7 +29,7 @@ FreeSpace::FreeSpace(const Camera& camera, double cell, double memory)
   }
 }
 
-void FreeSpace::add(const DepthView& view, double margin) {
+void FreeSpace::add(const StaticView& view, double margin) {
   if (++view_ == 0) ++view_;  // 0 is no view
   const int step = std::max(1, static_cast<int>(camera_.fx * cell_ / dense_until));
   const Eigen::Matrix3d rotation = view.world_from_camera.rotation.toRotationMatrix();

@@ -18,7 +18,7 @@ class FreeSpace {
 
   /// Marks what lies between the camera and `margin` metres before the surfaces that it sees. What
   /// masks cover says nothing.
-  void add(const DepthView& view, double margin);
+  void add(const StaticView& view, double margin);
 
   /// Views that looked through a cell, up to 255.
   int views(const Eigen::Vector3i& cell) const {

@@ -25,13 +25,7 @@ namespace {
 
 constexpr int most_skipped_in_a_row = 30;  // a second of a usual camera
 
-/// An image as it was recorded; one of the two.
-struct ImageMessage {
-  boost::shared_ptr<const ros1::Image> raw;
-  boost::shared_ptr<const ros1::CompressedImage> compressed;
-
-  RosImage view() const { return raw ? ros1::view_of(*raw) : ros1::view_of(*compressed); }
-};
+using ros1::ImageMessage;
 
 Se3 pose_of(const ros1::Transform& message) {
   const auto& r = message.rotation;

@@ -8,6 +8,7 @@
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <std_msgs/Float32.h>
+#include <boost/shared_ptr.hpp>
 
 #include "dkp_slam/sensor/bag/ros_image.h"
 
@@ -62,6 +63,14 @@ inline RosImage view_of(const CompressedImage& message) {
   image.data = {message.data.data(), message.data.size()};
   return image;
 }
+
+/// An image as it came; one of the two.
+struct ImageMessage {
+  boost::shared_ptr<const Image> raw;
+  boost::shared_ptr<const CompressedImage> compressed;
+
+  RosImage view() const { return raw ? view_of(*raw) : view_of(*compressed); }
+};
 
 inline RosCameraInfo values_of(const CameraInfo& message) {
   RosCameraInfo info;

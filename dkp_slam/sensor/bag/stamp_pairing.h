@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <deque>
 #include <optional>
 #include <utility>
@@ -29,14 +31,14 @@ class StampPairing {
     double colour_stamp, depth_stamp;  ///< seconds
     Message colour, depth;
   };
-  /// The next pair; nothing when more messages must come before it can be told.
-  std::optional<Pair> next() {
+  /// The next pair; nothing when more messages must come before it can be told. With `settle` what
+  /// is there is all there is for now.
+  std::optional<Pair> next(bool settle = false) {
     while (!colour_.empty()) {
       const double stamp = colour_.front().first;
       while (!depth_.empty() && depth_.front().first <= stamp - most_) depth_.pop_front();
       // The nearest may still come, and so may a colour image that is nearer to it.
-      if (!ended_ && (depth_.empty() || depth_.back().first < stamp + most_ ||
-                      (colour_.size() < 2 && depth_.back().first < stamp + 2.0 * most_))) {
+      if (!ended_ && !(settle && !depth_.empty()) && !same_stamp(stamp) && undecided(stamp)) {
         return std::nullopt;
       }
       const std::size_t chosen = nearest_to(stamp);
@@ -55,6 +57,15 @@ class StampPairing {
   }
 
  private:
+  /// Nothing can be nearer.
+  bool same_stamp(double stamp) const {
+    return std::any_of(depth_.begin(), depth_.end(),
+                       [stamp](const auto& depth) { return depth.first == stamp; });
+  }
+  bool undecided(double stamp) const {
+    return depth_.empty() || depth_.back().first < stamp + most_ ||
+           (colour_.size() < 2 && depth_.back().first < stamp + 2.0 * most_);
+  }
   using Queue = std::deque<std::pair<double, Message>>;
 
   void add(Queue& queue, double stamp, Message message) {

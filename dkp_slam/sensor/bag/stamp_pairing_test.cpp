@@ -37,6 +37,18 @@ TEST(StampPairing, TakesTheNearestAndWaitsUntilItIsSure) {
   EXPECT_EQ(pairing.unpaired(), 0U);
 }
 
+TEST(StampPairing, SameStampsNeedNoWaiting) {
+  StampPairing<int> pairing(0.02);
+  pairing.add_colour(1.000, 0);
+  pairing.add_depth(1.000, 1);
+  EXPECT_THAT(taken(pairing), ElementsAre(Pair(1.000, 1.000)));
+  pairing.add_colour(2.000, 2);
+  EXPECT_FALSE(pairing.next(true));
+  pairing.add_depth(2.010, 3);
+  EXPECT_FALSE(pairing.next());
+  EXPECT_TRUE(pairing.next(true));  // nothing more comes
+}
+
 TEST(StampPairing, LeavesADepthImageToTheColourImageThatIsNearer) {
   StampPairing<int> pairing(0.02);
   pairing.add_colour(1.000, 0);
