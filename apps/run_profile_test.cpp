@@ -1,5 +1,6 @@
 #include <fstream>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -27,10 +28,16 @@ constexpr int frame_count = 12;
 /// What `run` tells of its own speed.
 class RunProfile : public testing::FolderTest {
  protected:
+  void SetUp() override {
+    FolderTest::SetUp();
+    sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", frame_count);
+  }
+
   int run(const std::string& out, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{
-        "run",        sequence_.folder(), "--camera", sequence_.folder() / "camera.yaml",
-        "--detector", "motion",           "--out",    folder_ / out};
+    std::vector<std::string> arguments{"run",        sequence_->folder(),
+                                       "--camera",   sequence_->folder() / "camera.yaml",
+                                       "--detector", "motion",
+                                       "--out",      folder_ / out};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return start(arguments);
   }
@@ -44,7 +51,7 @@ class RunProfile : public testing::FolderTest {
     return nlohmann::json::parse(std::ifstream(folder_ / file));
   }
 
-  WallSequence sequence_{folder_ / "sequence", frame_count};
+  std::unique_ptr<WallSequence> sequence_;
   std::string errors_;
 };
 
