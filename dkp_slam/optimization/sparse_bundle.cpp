@@ -82,8 +82,7 @@ class Round {
  public:
   Round(const Camera& camera, const MeasurementModel& model, const BundleProblem& problem,
         BundleSolution& state)
-      : problem_(problem),
-        state_(state),
+      : state_(state),
         pixel_loss_(std::sqrt(model.pixel_chi2)),
         depth_loss_(std::sqrt(model.depth_chi2)),
         ceres_(problem_options()) {
@@ -142,7 +141,6 @@ class Round {
     }
   }
 
-  const BundleProblem& problem_;
   BundleSolution& state_;
   std::vector<PoseBlock> poses_;
   PoseManifold manifold_;

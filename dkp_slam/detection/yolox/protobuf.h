@@ -30,7 +30,7 @@ std::string_view child(std::string_view message, std::uint64_t number);
 
 /// The bytes of a field.
 std::string written(const Field& field);
-std::string written(std::uint64_t number, std::uint64_t varint);
+std::string written(std::uint64_t number, std::uint64_t value);
 std::string written(std::uint64_t number, std::string_view bytes);
 
 }  // namespace dkp_slam::protobuf
