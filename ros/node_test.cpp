@@ -1,5 +1,6 @@
 // The node, as a robot has it: a roscore of its own, a bag that is played in real time, and
 // somebody who listens.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -169,9 +170,12 @@ TEST_F(RosNode, AnswersEveryFrameOfABagAndSaysWhatIsWrong) {
   auto info = handle.advertise<CameraInfo>("/rgb/camera_info", 100);
   auto colour = handle.advertise<Image>("/rgb/image", 100);
   auto depth = handle.advertise<Image>("/depth/image", 100);
+  // In both directions: what the node says before somebody listens is lost.
   ASSERT_TRUE(wait_until([&] {
     return info.getNumSubscribers() > 0 && colour.getNumSubscribers() > 0 &&
-           depth.getNumSubscribers() > 0;
+           depth.getNumSubscribers() > 0 &&
+           std::all_of(subscribers.begin(), subscribers.end(),
+                       [](const ros::Subscriber& s) { return s.getNumPublishers() > 0; });
   })) << log();
 
   const rosbag::Bag recorded(bag());

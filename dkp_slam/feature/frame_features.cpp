@@ -3,17 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dkp_slam/geometry/depth_at.h"
 #include "dkp_slam/geometry/rolling_shutter.h"
 
 namespace dkp_slam {
 namespace {
-
-/// Depth at a raw pixel: nearest reading, which does not mix the two sides of an edge.
-float depth_at(const cv::Mat& depth, const cv::Point2f& pixel) {
-  const int u = std::clamp(cvRound(pixel.x), 0, depth.cols - 1);
-  const int v = std::clamp(cvRound(pixel.y), 0, depth.rows - 1);
-  return depth.at<float>(v, u);
-}
 
 /// Depth at the colour image's moment of a feature, read from a depth image of another moment: the
 /// feature's place there follows from a first reading at its own pixel.

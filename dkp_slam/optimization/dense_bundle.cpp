@@ -86,6 +86,7 @@ class DenseBundle {
  private:
   struct Sighting {
     int pose = -1;
+    int free = -1;  // of the pose among those that move; -1 for one that does not
     int point = -1;
     Eigen::Vector2d pixel;
     double pixel_scale = 1.0;  // one over sigma
@@ -118,9 +119,13 @@ class DenseBundle {
       const BundleProblem::Sighting& s = problem.sightings[i];
       const bool deep = s.seen.depth > 0.0;
       sightings_[next[static_cast<std::size_t>(s.point)]++] = {
-          s.pose,       s.point,
-          s.seen.pixel, 1.0 / s.seen.pixel_sigma,
-          s.seen.depth, deep ? 1.0 / model.depth_sigma(camera_, s.seen.depth) : 0.0};
+          s.pose,
+          free_index_[static_cast<std::size_t>(s.pose)],
+          s.point,
+          s.seen.pixel,
+          1.0 / s.seen.pixel_sigma,
+          s.seen.depth,
+          deep ? 1.0 / model.depth_sigma(camera_, s.seen.depth) : 0.0};
     }
   }
 
@@ -197,11 +202,10 @@ class DenseBundle {
       const Eigen::Matrix3d by_landmark = hessian * pose.rotation;
       point_hessian_[point].noalias() += pose.rotation.transpose() * by_landmark;
       point_gradient_[point].noalias() += pose.rotation.transpose() * gradient;
-      const int free = free_index_[static_cast<std::size_t>(s.pose)];
-      if (free < 0) continue;
+      if (s.free < 0) continue;
       // By a left perturbation (translation, rotation) of the pose: [I, -skew(p)].
       const Eigen::Matrix3d turn = skew(r.p);
-      const auto f = static_cast<std::size_t>(free);
+      const auto f = static_cast<std::size_t>(s.free);
       const Eigen::Matrix3d turned = turn * hessian;  // (-skew(p))^T = skew(p)
       pose_hessian_[f].topLeftCorner<3, 3>() += hessian;
       pose_hessian_[f].bottomLeftCorner<3, 3>() += turned;
@@ -235,12 +239,19 @@ class DenseBundle {
     return substitute_back(damping);
   }
 
+  /// What damping adds to a Hessian's diagonal.
+  template <int N>
+  static Eigen::Matrix<double, N, 1> added(const Eigen::Matrix<double, N, N>& hessian,
+                                           double damping) {
+    constexpr double least = 1e-6;
+    return damping * hessian.diagonal().cwiseMax(least);
+  }
+
   template <int N>
   static Eigen::Matrix<double, N, N> damped(const Eigen::Matrix<double, N, N>& hessian,
                                             double damping) {
-    constexpr double least = 1e-6;
     Eigen::Matrix<double, N, N> out = hessian;
-    out.diagonal() += damping * hessian.diagonal().cwiseMax(least);
+    out.diagonal() += added(hessian, damping);
     return out;
   }
 
@@ -253,12 +264,12 @@ class DenseBundle {
     damped(point_hessian_[point], damping).computeInverseWithCheck(inverses_[point], usable, 0.0);
     if (!usable) inverses_[point].setZero();
     for (std::size_t a = begin; a < end; ++a) {
-      const int row = free_index_[static_cast<std::size_t>(sightings_[a].pose)];
+      const int row = sightings_[a].free;
       if (row < 0) continue;
       const Matrix63d carried = mixed_[a] * inverses_[point];
       right.segment<6>(6 * row).noalias() += carried * point_gradient_[point];
       for (std::size_t b = begin; b < end; ++b) {
-        const int column = free_index_[static_cast<std::size_t>(sightings_[b].pose)];
+        const int column = sightings_[b].free;
         if (column < 0 || column > row) continue;
         reduced_.block<6, 6>(6 * row, 6 * column).noalias() -= carried * mixed_[b].transpose();
       }
@@ -267,24 +278,22 @@ class DenseBundle {
 
   /// The points' steps, and what the whole step promises: half of step * (D step - gradient).
   double substitute_back(double damping) {
-    constexpr double least = 1e-6;
     double twice = 0.0;
     for (int f = 0; f < free_poses_; ++f) {
       const auto k = static_cast<std::size_t>(f);
       const Vector6d step = pose_step_.segment<6>(6 * f);
-      const Vector6d diagonal = damping * pose_hessian_[k].diagonal().cwiseMax(least);
-      twice += step.dot(diagonal.cwiseProduct(step) - pose_gradient_[k]);
+      twice += step.dot(added(pose_hessian_[k], damping).cwiseProduct(step) - pose_gradient_[k]);
     }
     point_step_.assign(point_hessian_.size(), Eigen::Vector3d::Zero());
     for (std::size_t j = 0; j < point_step_.size(); ++j) {
       Eigen::Vector3d right = -point_gradient_[j];
       for (std::size_t a = first_[j]; a < first_[j + 1]; ++a) {
-        const int free = free_index_[static_cast<std::size_t>(sightings_[a].pose)];
+        const int free = sightings_[a].free;
         if (free < 0) continue;
         right.noalias() -= mixed_[a].transpose() * pose_step_.segment<6>(6 * free);
       }
       point_step_[j] = inverses_[j] * right;
-      const Eigen::Vector3d diagonal = damping * point_hessian_[j].diagonal().cwiseMax(least);
+      const Eigen::Vector3d diagonal = added(point_hessian_[j], damping);
       twice += point_step_[j].dot(diagonal.cwiseProduct(point_step_[j]) - point_gradient_[j]);
     }
     return 0.5 * twice;

@@ -66,7 +66,9 @@ TEST(FramePipeline, AFrameThatTheDetectorDoesNotLookAtHasNoAnswer) {
     ASSERT_TRUE(frame);
     EXPECT_EQ(frame->detections.answered, i % 3 == 0);
     EXPECT_EQ(frame->detections.detections.size(), i % 3 == 0 ? 1U : 0U);
-    if (i % 3 != 0) EXPECT_EQ(frame->detection_ms, 0.0);
+    if (i % 3 != 0) {
+      EXPECT_EQ(frame->detection_ms, 0.0);
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "dkp_slam/detection/yolox/yolox_decode.h"
+#include "dkp_slam/detection/yolox/yolox_model.h"
 #include "dkp_slam/detection/yolox/yolox_network.h"
 #include "dkp_slam/error.h"
 
@@ -49,9 +50,12 @@ class YoloxDetector : public Detector {
   cv::Mat scratch_;
 };
 
-std::unique_ptr<YoloxNetwork> load_network(const YoloxOptions& options, const cv::Size& images) {
+using LoadNetwork = std::unique_ptr<YoloxNetwork> (*)(const YoloxOptions&, const std::string&);
+
+/// The library that is to run the network.
+LoadNetwork choose_library(const YoloxOptions& options) {
 #ifdef DKP_SLAM_HAVE_ONNXRUNTIME
-  if (options.backend != YoloxBackend::opencv) return load_yolox_onnxruntime(options, images);
+  if (options.backend != YoloxBackend::opencv) return load_yolox_onnxruntime;
 #else
   if (options.backend == YoloxBackend::onnxruntime) {
     throw Error(
@@ -59,7 +63,25 @@ std::unique_ptr<YoloxNetwork> load_network(const YoloxOptions& options, const cv
         "OpenCV");
   }
 #endif
-  return load_yolox_opencv(options, images);
+  if (options.provider != "cpu") {
+    spdlog::warn("OpenCV's dnn runs on the cpu only, not on '{}'", options.provider);
+  }
+  return load_yolox_opencv;
+}
+
+/// A network that computes only what the images fill of its input, a quarter less for 4:3 in a
+/// square; all of it where their size is not known (0 x 0) or the model can't be cut.
+std::unique_ptr<YoloxNetwork> load_network(const YoloxOptions& options, const cv::Size& images) {
+  const LoadNetwork load = choose_library(options);
+  const std::string model = yolox::read_model(options.model);
+  if (const std::string cut = yolox::cut_to_images(model, images); !cut.empty()) {
+    try {
+      return load(options, cut);
+    } catch (const Error& error) {
+      spdlog::debug("the model is used with its own size: {}", error.what());
+    }
+  }
+  return load(options, model);
 }
 
 void check(const YoloxOptions& options) {

@@ -25,14 +25,13 @@ class YoloxNetwork {
   virtual const float* run() = 0;
 };
 
-/// Loads the model of the options; throws `Error` when the file is no model, or none of YOLOX.
-/// Where the size of the `images` is known (not 0 x 0), the network computes only what they fill of
-/// its input, a quarter less for 4:3 in a square, unless the model can't be cut.
+/// Loads `model`, the bytes of the options' file or those cut to the images' size
+/// (`yolox::cut_to_images`); throws `Error` when they are no model, or none of YOLOX.
 std::unique_ptr<YoloxNetwork> load_yolox_opencv(const YoloxOptions& options,
-                                                const cv::Size& images);
+                                                const std::string& model);
 #ifdef DKP_SLAM_HAVE_ONNXRUNTIME
 std::unique_ptr<YoloxNetwork> load_yolox_onnxruntime(const YoloxOptions& options,
-                                                     const cv::Size& images);
+                                                     const std::string& model);
 #endif
 
 }  // namespace dkp_slam

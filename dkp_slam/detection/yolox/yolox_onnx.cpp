@@ -59,7 +59,6 @@ std::string choose_provider(const std::string& wanted, Ort::SessionOptions& sess
 
 class OnnxNetwork : public YoloxNetwork {
  public:
-  /// `bytes`: what the file of the options holds, or that cut to the images' size.
   OnnxNetwork(const YoloxOptions& options, const std::string& bytes) {
     Ort::SessionOptions session_options;
     session_options.SetIntraOpNumThreads(options.threads);
@@ -140,15 +139,7 @@ class OnnxNetwork : public YoloxNetwork {
 }  // namespace
 
 std::unique_ptr<YoloxNetwork> load_yolox_onnxruntime(const YoloxOptions& options,
-                                                     const cv::Size& images) {
-  const std::string model = yolox::read_model(options.model);
-  if (const std::string cut = yolox::cut_to_images(model, images); !cut.empty()) {
-    try {
-      return std::make_unique<OnnxNetwork>(options, cut);
-    } catch (const Error& error) {
-      spdlog::debug("the model is used with its own size: {}", error.what());
-    }
-  }
+                                                     const std::string& model) {
   return std::make_unique<OnnxNetwork>(options, model);
 }
 

@@ -2,7 +2,6 @@
 #include <sstream>
 #include <vector>
 
-#include <spdlog/spdlog.h>
 #include <opencv2/dnn.hpp>
 
 #include "dkp_slam/detection/yolox/onnx_shapes.h"
@@ -31,7 +30,6 @@ cv::dnn::MatShape to_dnn(const std::vector<std::int64_t>& shape) {
 
 class OpenCvNetwork : public YoloxNetwork {
  public:
-  /// `bytes`: what the file of the options holds, or that cut to the images' size.
   OpenCvNetwork(const YoloxOptions& options, const std::string& bytes) {
     const std::string model = options.model.string();
     std::vector<std::int64_t> output_shape;
@@ -81,18 +79,7 @@ class OpenCvNetwork : public YoloxNetwork {
 }  // namespace
 
 std::unique_ptr<YoloxNetwork> load_yolox_opencv(const YoloxOptions& options,
-                                                const cv::Size& images) {
-  if (options.provider != "cpu") {
-    spdlog::warn("OpenCV's dnn runs on the cpu only, not on '{}'", options.provider);
-  }
-  const std::string model = yolox::read_model(options.model);
-  if (const std::string cut = yolox::cut_to_images(model, images); !cut.empty()) {
-    try {
-      return std::make_unique<OpenCvNetwork>(options, cut);
-    } catch (const Error& error) {
-      spdlog::debug("the model is used with its own size: {}", error.what());
-    }
-  }
+                                                const std::string& model) {
   return std::make_unique<OpenCvNetwork>(options, model);
 }
 

@@ -4,17 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "dkp_slam/geometry/depth_at.h"
 #include "dkp_slam/geometry/rolling_shutter.h"
 
 namespace dkp_slam {
 namespace {
 
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
-
-float depth_at(const cv::Mat& depth, const cv::Point2f& p) {
-  return depth.at<float>(std::clamp(cvRound(p.y), 0, depth.rows - 1),
-                         std::clamp(cvRound(p.x), 0, depth.cols - 1));
-}
 
 /// Nearest and farthest known depth within `reach` pixels; {0, 0} where there is none.
 std::pair<double, double> depths_around(const cv::Mat& depth, const cv::Point2f& p, float reach) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "dkp_slam/geometry/depth_at.h"
+
 namespace dkp_slam {
 
 std::vector<std::uint8_t> outside_boxes(const std::vector<cv::Point2f>& points,
@@ -31,9 +33,7 @@ std::vector<std::uint8_t> thinned_outside(const std::vector<cv::Point2f>& points
     const bool outside = taken[i] != 0;
     taken[i] = outside ? 0 : 1;
     if (!outside) continue;
-    const int u = std::clamp(cvRound(points[i].x), 0, depth.cols - 1);
-    const int v = std::clamp(cvRound(points[i].y), 0, depth.rows - 1);
-    if (depth.at<float>(v, u) > 0.0F) others.push_back(i);
+    if (depth_at(depth, points[i]) > 0.0F) others.push_back(i);
   }
   const std::size_t count = std::min(others.size(), static_cast<std::size_t>(most));
   for (std::size_t k = 0; k < count; ++k) taken[others[k * others.size() / count]] = 1;

@@ -15,7 +15,6 @@ using nlohmann::json;
 
 // Digits after the point: more would make the page longer and say nothing.
 constexpr int time_digits = 3, place_digits = 4, error_digits = 6, value_digits = 3;
-constexpr Colour truth_ink = chart::truth_colour;
 constexpr double path_width = 1.5, truth_width = 2.2;
 
 double rounded(double value, int digits) {
@@ -64,8 +63,8 @@ std::string path_chart(std::span<const StampedPose> truth, std::span<const Score
   if (during.empty()) return "";
   const double start = start_of(paths);
   json chart{{"kind", "paths"}, {"title", "Path"}};
-  chart["series"].push_back(
-      path_series("true path", truth_ink, truth_width, during, Se3(), start + association.offset));
+  chart["series"].push_back(path_series("true path", chart::truth_colour, truth_width, during,
+                                        Se3(), start + association.offset));
   for (const ScoredPath& path : paths) {
     chart["series"].push_back(path_series(path.name, path.colour, path_width, path.estimate,
                                           path.error.truth_from_estimate, start));
