@@ -94,6 +94,24 @@ TEST_F(BagCommand, RecordMakesAFolderOfIt) {
   }
 }
 
+TEST_F(BagCommand, TheDenseMapIsMadeOfItToo) {
+  write_bag();
+  const fs::path out = folder_ / "out", cloud = folder_ / "cloud.ply";
+  ASSERT_EQ(program({"run", bag(), "--mode", "off", "--save-masks", "--out", out, "--topics",
+                     "/camera/rgb/image_color,/camera/depth/image"}),
+            0)
+      << err_;
+  // Topics and camera are those of the run.
+  ASSERT_EQ(program({"export", out, "--dense", cloud, "--voxel", "0.04"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr(fmt::format("{} images fused", frame_count)));
+  EXPECT_GT(fs::file_size(cloud), 50'000U);
+  EXPECT_EQ(program({"export", out, "--dense", cloud, "--masks", folder_}), 1);
+  EXPECT_THAT(err_, HasSubstr("--masks needs images with names"));
+  fs::remove(bag());
+  EXPECT_EQ(program({"export", out, "--dense", cloud}), 1);
+  EXPECT_THAT(err_, HasSubstr("wall.bag: no such folder or bag"));
+}
+
 TEST_F(BagCommand, WhatIsWrongIsOneLineAndLeavesNothing) {
   const fs::path out = folder_ / "out";
   const auto expect_refusal = [&](const std::vector<std::string>& options, int code,

@@ -13,6 +13,7 @@
 #include "apps/bench/merge.h"
 #include "apps/bench/output.h"
 #include "apps/bench/plan.h"
+#include "apps/camera_choice.h"
 #include "apps/commands.h"
 #include "apps/progress.h"
 #include "dkp_slam/error.h"
@@ -159,8 +160,9 @@ void add_plan_options(CLI::App& command, BenchPlanOptions& plan) {
   command.add_option("--model", plan.model,
                      "YOLOX model (.onnx); else DKP_SLAM_MODEL, models/, ~/.cache/dkp-slam");
   command.add_option("--camera", plan.camera,
-                     "Camera of all sequences: a file, or fr1, fr2, fr3 or bonn; else "
-                     "DIR/camera.yaml, else by the folder's name");
+                     fmt::format("Camera of all sequences: a file, or one of {}; else "
+                                 "DIR/camera.yaml, else by the folder's name",
+                                 camera_names));
   add_config_options(command, plan.config);
   command.add_option("--repeat", plan.repeat, "Runs of each, with seeds 1, 2, ...")
       ->check(CLI::Range(1, 1000))

@@ -18,7 +18,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/sensor/camera_config.h"
-#include "dkp_slam/sensor/tum_source.h"
+#include "dkp_slam/sensor/layout/image_folder.h"
 #include "dkp_slam/version.h"
 
 namespace dkp_slam::apps {
@@ -58,7 +58,7 @@ std::vector<CalibrationSequence> open_sequences(const std::vector<std::string>& 
     sequences.push_back({folder, [folder](const Camera& camera, const DepthCorrection& depth) {
                            TumOptions images;
                            images.depth = depth;
-                           return open_tum_folder(folder, camera, images);
+                           return open_image_folder(folder, camera, images);
                          }});
   }
   return sequences;
@@ -142,12 +142,12 @@ void add_calibrate_command(CLI::App& program) {
       "Finds what a camera file says of times and depth, from the images of sequences in which the "
       "camera is turned to and fro: readout and delay of depth, on request bias and lens, and "
       "with a known length the depth scale.");
-  command->add_option("SEQUENCE", arguments->sequences, "Folders in TUM RGB-D format, one camera")
+  command->add_option("SEQUENCE", arguments->sequences, "Folders of images, one camera")
       ->required();
   command->add_option("--out", arguments->out, "Camera file to write")->required();
   command->add_option("--camera", arguments->camera,
-                      "Camera file to begin with, or fr1, fr2, fr3, bonn; else "
-                      "SEQUENCE/camera.yaml, else by the folder's name");
+                      fmt::format("Camera file to begin with, or {}; else ", camera_names) +
+                          "SEQUENCE/camera.yaml, else by the folder's layout or name");
   command->add_option("--plot", arguments->plot, "Draw what shows it: .svg or .png")
       ->check(check_figure_name);
   command->add_flag("--bias", arguments->bias, "Find the bias of depth, too");

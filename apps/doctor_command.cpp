@@ -91,7 +91,7 @@ Finding libraries() {
 Finding cameras() {
   try {
     choose_camera({}, "fr1");  // all lie in one folder
-    return {Finding::State::good, "cameras", "fr1, fr2, fr3, bonn", ""};
+    return {Finding::State::good, "cameras", camera_names, ""};
   } catch (const Error& error) {
     return {Finding::State::missing, "cameras", error.what(), "name one: run --camera FILE"};
   }

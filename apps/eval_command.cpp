@@ -9,6 +9,8 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands.h"
+#include "apps/frame_rate_option.h"
+#include "apps/true_path.h"
 #include "apps/whole_number.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/report.h"
@@ -34,6 +36,7 @@ const std::map<std::string, StepUnit> step_units = {
 struct EvalArguments {
   std::string truth;
   std::string trajectory;
+  double frame_rate = usual_frame_rate;  ///< Hz, of a folder without time stamps
   AssociationOptions association;
   RelativeErrorOptions step;
   std::string json;
@@ -67,11 +70,22 @@ std::string figure(const EvalArguments& arguments, const Trajectory& truth,
   return canvas->encode();
 }
 
+Trajectory read_truth(const EvalArguments& arguments) {
+  if (!fs::is_directory(arguments.truth)) return read_trajectory(arguments.truth);
+  Trajectory path = true_path(arguments.truth, arguments.frame_rate);
+  if (path.empty()) {
+    throw Error(arguments.truth +
+                ": this folder brings no true path: no groundtruth.txt, nor pose files of a layout "
+                "that has them (docs/sources.md)");
+  }
+  return path;
+}
+
 void evaluate_files(const EvalArguments& arguments) {
   for (const std::string& output : {arguments.json, arguments.plot, arguments.html}) {
     if (!output.empty() && output != standard_output) check_writable(output);
   }
-  const Trajectory truth = read_trajectory(arguments.truth);
+  const Trajectory truth = read_truth(arguments);
   const Trajectory estimate = read_trajectory(arguments.trajectory);
   EvaluationOptions options;
   options.association = arguments.association;
@@ -137,7 +151,11 @@ void add_eval_command(CLI::App& program) {
       "Compare a trajectory with the ground truth: ATE and RPE as the TUM RGB-D benchmark "
       "defines them");
   const auto arguments = std::make_shared<EvalArguments>();
-  command->add_option("groundtruth", arguments->truth, "True trajectory, TUM format")->required();
+  command
+      ->add_option("groundtruth", arguments->truth,
+                   "True trajectory, TUM format, or the folder of the sequence that brings it")
+      ->required();
+  add_frame_rate_option(*command, arguments->frame_rate);
   command->add_option("trajectory", arguments->trajectory, "Trajectory to judge, TUM format")
       ->required();
   command

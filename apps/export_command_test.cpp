@@ -170,6 +170,24 @@ TEST_F(ExportCommand, ARunGivesTheStaticWorld) {
       "none of its images has the time stamp of a pose");
 }
 
+TEST_F(ExportCommand, WhatTheRunWasMadeOfMustBeThereAgain) {
+  fs::create_directories(run());
+  write_trajectory(run() / "trajectory.txt", read_trajectory(trajectory()));
+  const auto made_of = [&](const std::string& sequence, const std::string& camera) {
+    std::ofstream(run() / "summary.json")
+        << fmt::format(R"({{"options": {{"sequence": "{}", "camera": "{}"}}}})", sequence, camera);
+  };
+  const fs::path cloud = folder_ / "c.ply";
+  for (const char* live : {"-", "unix:/run/camera", "kinect"}) {
+    made_of(live, "of the stream");
+    expect_refused(1, {run(), "--dense", cloud, "--no-masks"}, "cannot be read again");
+  }
+  const WallSequence sequence(folder_ / "sequence", 2);
+  made_of(sequence.folder(), folder_ / "gone.yaml");
+  expect_refused(1, {run(), "--dense", cloud, "--no-masks"},
+                 "gone.yaml: this camera of the run is not there any more");
+}
+
 TEST_F(ExportCommand, MisuseIsSaidBeforeAnythingIsDone) {
   const fs::path path = trajectory();
   expect_refused(2, {path}, "nothing to write");

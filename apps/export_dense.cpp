@@ -15,15 +15,16 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/camera_choice.h"
+#include "apps/frame_rate_option.h"
 #include "apps/progress.h"
 #include "apps/run_masks.h"
+#include "apps/source_choice.h"
 #include "dkp_slam/dense/mesh_files.h"
 #include "dkp_slam/dense/octomap/octomap_file.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
-#include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/sensor/kinect/kinect_source.h"
 #include "dkp_slam/sensor/mask_folder.h"
-#include "dkp_slam/sensor/tum_source.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
@@ -36,11 +37,11 @@ constexpr double longest_step = 0.2;
 /// A frame at a pose that is known.
 using UseView = std::function<void(const StaticView&)>;
 
-/// Camera and images of a sequence.
+/// Where the images are, and what moves in them.
 struct Images {
-  std::string folder, camera_file;
-  Camera camera;
-  fs::path masks;  ///< empty: all pixels are static
+  SourceChoice source;
+  std::string camera;  ///< that the run had; empty where it says nothing
+  fs::path masks;      ///< empty: all pixels are static
   bool masks_by_time = false;
 };
 
@@ -72,21 +73,48 @@ void choose_masks(const DenseExport& dense, const fs::path& run, Images& images)
       run.empty() ? "the trajectory" : images.masks.string()));
 }
 
-Images choose_images(const DenseExport& dense, const fs::path& run) {
+/// What the run was made of, unless the user says.
+void choose_source(const DenseExport& dense, const fs::path& run, Images& images) {
+  SourceChoice& choice = images.source;
+  choice.camera = dense.camera;
+  choice.topics = dense.topics;
+  choice.frame_rate = dense.frame_rate;
+  choice.name = dense.sequence.string();
+  if (!choice.name.empty()) return;
   const nlohmann::json options = options_of_run(run);
+  choice.name = text_of(options, "sequence");
+  if (choice.topics.empty()) choice.topics = text_of(options, "topics");
+  if (options.is_object() && options.value("frame_rate", nlohmann::json()).is_number()) {
+    choice.frame_rate = options.at("frame_rate").get<double>();
+  }
+  if (!choice.camera.empty()) return;
+  images.camera = text_of(options, "camera");
+  // One that is no file came with the images, and should do so again.
+  if (fs::is_regular_file(images.camera)) choice.camera = images.camera;
+}
+
+Images choose_images(const DenseExport& dense, const fs::path& run) {
   Images images;
-  images.folder = dense.sequence.empty() ? text_of(options, "sequence") : dense.sequence.string();
-  if (images.folder.empty()) {
+  choose_source(dense, run, images);
+  const std::string& name = images.source.name;
+  if (name.empty()) {
     throw Error("the dense map needs the images: give the folder of the sequence with --sequence");
   }
-  if (!fs::is_directory(images.folder)) {
-    throw Error(images.folder + ": no such folder; give that of the sequence with --sequence");
+  if (is_stream(name) || is_kinect(name)) {
+    throw Error(name +
+                ": cannot be read again; what `dkp-slam record` kept of it can be given with "
+                "--sequence");
   }
-  std::string camera = dense.camera;
-  if (camera.empty() && dense.sequence.empty()) camera = text_of(options, "camera");
-  images.camera_file = choose_camera(images.folder, camera);
-  images.camera = load_camera(images.camera_file);
+  if (!fs::exists(name)) {
+    throw Error(name + ": no such folder or bag; give that of the sequence with --sequence");
+  }
   choose_masks(dense, run, images);
+  if (!images.masks_by_time) images.source.masks = images.masks;
+  if (!images.source.masks.empty() && is_bag_file(name)) {
+    throw Error(name +
+                ": --masks needs images with names, which a bag's have not; `dkp-slam "
+                "record` makes a folder of it");
+  }
   return images;
 }
 
@@ -117,14 +145,20 @@ class PosedImages {
       : images_(std::move(images)),
         path_(path),
         every_(static_cast<std::size_t>(dense.every)),
-        viewer_(images_.camera, dense.view) {}
+        opened_(open_source(images_.source)),
+        viewer_(opened_.camera, dense.view) {
+    if (!images_.camera.empty() && images_.camera != opened_.camera_name) {
+      throw Error(images_.camera +
+                  ": this camera of the run is not there any more; give one with "
+                  "--camera");
+    }
+  }
 
   /// Views that were used.
   std::size_t play(const std::string& label, const UseView& use) {
-    TumOptions options;
-    options.depth = load_depth_correction(images_.camera_file);
-    if (!images_.masks_by_time) options.masks = images_.masks;
-    const auto source = open_tum_folder(images_.folder, images_.camera, options);
+    // The first time it is open already.
+    const std::unique_ptr<RgbdSource> source =
+        opened_.source ? std::move(opened_.source) : open_source(images_.source).source;
     const std::unique_ptr<MaskFolder> masks = open_masks();
     Progress progress(label, source->size());
     std::size_t used = 0, posed = 0, unmasked = 0;
@@ -149,7 +183,7 @@ class PosedImages {
     return used;
   }
 
-  const Images& images() const { return images_; }
+  const Camera& camera() const { return opened_.camera; }
   std::size_t unmasked() const { return unmasked_; }
 
  private:
@@ -172,7 +206,7 @@ class PosedImages {
   void check(std::size_t used, std::size_t posed, std::size_t unmasked) const {
     if (used > 0) return;
     if (posed == 0) {
-      throw Error(images_.folder +
+      throw Error(images_.source.name +
                   ": none of its images has the time stamp of a pose; is it the sequence of this "
                   "run?");
     }
@@ -183,6 +217,7 @@ class PosedImages {
   Images images_;
   const Trajectory& path_;
   std::size_t every_;
+  OpenedSource opened_;
   DepthViewer viewer_;
   std::size_t unmasked_ = 0;
 };
@@ -239,7 +274,7 @@ void export_dense(const DenseExport& dense, const fs::path& run, const Trajector
   catch_interrupts();
   check_extent(path);
   PosedImages images(dense, choose_images(dense, run), path);
-  const Camera& camera = images.images().camera;
+  const Camera& camera = images.camera();
   DenseMap map(camera, dense.map);
   std::unique_ptr<FreeSpace> free;
   if (!dense.grid.empty() || !dense.octomap.empty()) {
@@ -275,8 +310,11 @@ void add_dense_options(CLI::App& command, DenseExport& dense) {
       "File for a 2-D occupancy grid (.pgm; its .yaml comes beside it, for ROS's map_server)");
   add("--octomap", dense.octomap, "File for an OctoMap octree (.bt)");
   add("--sequence", dense.sequence,
-      "Folder of the images; default: the one that the run was made of");
-  add("--camera", dense.camera, "Camera file, or fr1, fr2, fr3, bonn; default: as for the run");
+      "Folder or bag of the images; default: the one that the run was made of");
+  add("--topics", dense.topics, "Of a bag, as for run");
+  add_frame_rate_option(command, dense.frame_rate)->group(group);
+  add("--camera", dense.camera,
+      fmt::format("Camera file, or {}; default: as for the run", camera_names));
   auto* masks = add("--masks", dense.masks,
                     "Folder of masks, for each colour image a PNG of its name, 0 on what is "
                     "static; default: those that `run --save-masks` kept");

@@ -9,6 +9,7 @@
 #include "dkp_slam/dense/occupancy_grid.h"
 #include "dkp_slam/dense/surface_extraction.h"
 #include "dkp_slam/geometry/stamped_pose.h"
+#include "dkp_slam/sensor/layout/image_folder.h"
 
 namespace dkp_slam::apps {
 
@@ -17,9 +18,11 @@ struct DenseExport {
   std::filesystem::path cloud, mesh, grid, octomap;  ///< files; empty for none
   std::filesystem::path sequence;                    ///< empty: the one that the run names
   std::string camera;
-  std::filesystem::path masks;  ///< empty: those that the run kept
-  bool no_masks = false;        ///< fuse all pixels
-  int every = 1;                ///< localised frames from one that is fused to the next
+  std::string topics;                    ///< of a bag; empty: as for the run
+  double frame_rate = usual_frame_rate;  ///< Hz, of a folder without time stamps
+  std::filesystem::path masks;           ///< empty: those that the run kept
+  bool no_masks = false;                 ///< fuse all pixels
+  int every = 1;                         ///< localised frames from one that is fused to the next
   DepthViewOptions view;
   DenseMapOptions map;
   SurfaceOptions surface;

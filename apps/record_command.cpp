@@ -11,11 +11,15 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "apps/camera_choice.h"
 #include "apps/commands.h"
 #include "apps/frame_folder.h"
+#include "apps/frame_rate_option.h"
 #include "apps/progress.h"
 #include "apps/source_choice.h"
+#include "apps/true_path.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/system/pace.h"
 
 namespace dkp_slam::apps {
@@ -35,6 +39,20 @@ struct Recorded {
   std::string failure;             ///< what ended it early
 };
 
+/// groundtruth.txt, of the frames that were taken, where the source brings a true path.
+void write_truth(const RecordArguments& arguments, const Recorded& recorded) {
+  try {
+    Trajectory path = true_path(arguments.source.name, arguments.source.frame_rate);
+    constexpr double before = 1.0;  // second, for those who interpolate
+    std::erase_if(path, [&](const StampedPose& pose) {
+      return pose.timestamp < recorded.first - before || pose.timestamp > recorded.last + before;
+    });
+    if (!path.empty()) write_trajectory(arguments.out / "groundtruth.txt", path);
+  } catch (const Error& error) {
+    spdlog::warn("recorded without the truth: {}", error.what());
+  }
+}
+
 /// Notes when a frame was taken.
 void note(double timestamp, bool taken, Recorded& recorded, std::optional<double>& before) {
   if (before) recorded.longest_gap = std::max(recorded.longest_gap, timestamp - *before);
@@ -48,10 +66,10 @@ void note(double timestamp, bool taken, Recorded& recorded, std::optional<double
 }
 
 Recorded copy(RgbdSource& source, FrameFolder& folder, const RecordArguments& arguments) {
-  const bool live = arguments.realtime || is_socket(arguments.source.name);
+  const bool live = arguments.realtime || is_live(arguments.source.name);
   const std::size_t most = arguments.frames.value_or(std::numeric_limits<std::size_t>::max());
   std::optional<Pace> pace;
-  if (arguments.realtime && !is_socket(arguments.source.name)) pace.emplace(1.0);
+  if (arguments.realtime && !is_live(arguments.source.name)) pace.emplace(1.0);
   Progress progress("record", arguments.frames ? arguments.frames : source.size());
   Recorded recorded;
   std::optional<double> before;
@@ -98,6 +116,7 @@ void record(RecordArguments arguments) {
   const OpenedSource opened = open_source(arguments.source);
   FrameFolder folder(arguments.out, opened.camera);
   const Recorded recorded = copy(*opened.source, folder, arguments);
+  if (recorded.written > 0) write_truth(arguments, recorded);
   std::fputs(text_of(recorded, arguments.out).c_str(), stdout);
   std::fflush(stdout);
   if (!recorded.failure.empty()) {
@@ -111,26 +130,30 @@ void record(RecordArguments arguments) {
 
 void add_record_command(CLI::App& program) {
   const auto arguments = std::make_shared<RecordArguments>();
-  CLI::App* command = program.add_subcommand(
-      "record",
-      "Writes what a camera's driver sends (docs/frame-stream.md) as a folder in TUM RGB-D format, "
-      "until it ends or Ctrl-C; the folder is whole at any time.");
+  CLI::App* command =
+      program.add_subcommand("record",
+                             "Writes what a Kinect or a camera's driver sends "
+                             "(docs/frame-stream.md), or any other source, "
+                             "as a folder in TUM RGB-D format, "
+                             "until it ends or Ctrl-C; the folder is whole at any time.");
   auto* sequence =
       command->add_option("SEQUENCE", arguments->source.name,
-                          "- for a stream on the standard input, a ROS 1 bag, or a folder to copy");
+                          "- for a stream on the standard input, a ROS 1 bag, or a folder to copy "
+                          "(docs/sources.md)");
   command
       ->add_option("--source", arguments->source.name,
-                   "Instead of SEQUENCE: a socket to listen at, unix:PATH, tcp:PORT or "
+                   "Instead of SEQUENCE: kinect, or a socket to listen at, unix:PATH, tcp:PORT or "
                    "tcp:HOST:PORT, as for run")
       ->excludes(sequence);
   command->add_option("--camera", arguments->source.camera,
-                      "Camera file, or fr1, fr2, fr3, bonn; else the stream's or bag's own");
+                      fmt::format("Camera file, or {}; else the source's own", camera_names));
+  add_frame_rate_option(*command, arguments->source.frame_rate);
   command->add_option("--topics", arguments->source.topics,
                       "Of a bag: COLOUR,DEPTH or COLOUR,DEPTH,CAMERA_INFO; default: found by type "
                       "and name");
   command
       ->add_option("--reconnect", arguments->source.reconnect,
-                   "Seconds that a socket waits for a driver that was cut off to come back")
+                   "Seconds that a Kinect, or a driver, that was cut off is waited for")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_option("--frames", arguments->frames, "Ends after so many")

@@ -26,6 +26,7 @@
 #include "apps/run_report.h"
 #include "apps/run_view.h"
 #include "apps/source_choice.h"
+#include "apps/true_path.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/dynamics/modes.h"
@@ -33,6 +34,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/sensor/kinect/kinect_source.h"
 #include "dkp_slam/system/playback.h"
 #include "dkp_slam/system/slam.h"
 #include "dkp_slam/trace.h"
@@ -66,7 +68,7 @@ std::unique_ptr<Detector> choose_detector(const RunOptions& options, SlamConfig&
 
 /// How fast a source is played by its time stamps; 0: as fast as it comes.
 double rate_of(const RunOptions& options, const SlamConfig& config) {
-  const bool paced = config.realtime && !is_socket(options.sequence);
+  const bool paced = config.realtime && !is_live(options.sequence);
   return paced ? options.rate.value_or(1.0) : 0.0;
 }
 
@@ -75,6 +77,8 @@ nlohmann::ordered_json describe(const RunOptions& options, const SlamConfig& con
   nlohmann::ordered_json json;
   json["sequence"] = options.sequence;
   json["camera"] = options.camera;
+  json["topics"] = options.topics;
+  json["frame_rate"] = options.frame_rate;
   json["mode"] = mode_info(config.dynamics.mode).name;
   json["model"] = yolox ? config.detector.yolox.model.string() : "";
   json["detections"] = options.detections.string();
@@ -160,12 +164,13 @@ RunTotals play_run(RgbdSource& source, Slam& slam, const RunObservers& observers
 }
 
 /// Nothing where the sequence has no true path, or none that fits.
-std::optional<ErrorStatistics> error_against_truth(const std::string& sequence,
+std::optional<ErrorStatistics> error_against_truth(const RunOptions& options,
                                                    const Trajectory& trajectory) {
-  const fs::path truth = fs::path(sequence) / "groundtruth.txt";
-  if (!fs::exists(truth) || trajectory.size() < 2) return std::nullopt;
+  if (trajectory.size() < 2) return std::nullopt;
   try {
-    return absolute_error(read_trajectory(truth), trajectory).statistics;
+    const Trajectory truth = true_path(options.sequence, options.frame_rate);
+    if (truth.empty()) return std::nullopt;
+    return absolute_error(truth, trajectory).statistics;
   } catch (const Error& error) {
     spdlog::warn("not compared with the truth: {}", error.what());
     return std::nullopt;
@@ -202,15 +207,21 @@ void check_source(const RunOptions& options, const SlamConfig& config) {
   if (options.sequence.empty()) {
     throw CLI::ValidationError("SEQUENCE", "is required, or --source");
   }
-  const bool socket = is_socket(options.sequence);
   if (options.offline && config.realtime) {
     throw CLI::ValidationError("--offline", "not with realtime");
   }
-  if (options.rate && socket) {
-    throw CLI::ValidationError("--rate", "not with a socket, whose driver says how fast it goes");
+  if (options.offline && is_kinect(options.sequence)) {
+    throw CLI::ValidationError("--offline", "not with a Kinect, which waits for nobody");
   }
-  if (options.preload && (is_stream(options.sequence) || options.view.wanted)) {
+  if (options.rate && is_live(options.sequence)) {
+    throw CLI::ValidationError("--rate", "not with a camera, which says itself how fast it goes");
+  }
+  const bool stream = is_stream(options.sequence) || is_kinect(options.sequence);
+  if (options.preload && (stream || options.view.wanted)) {
     throw CLI::ValidationError("--preload", "needs a folder, and no --view, which may pause it");
+  }
+  if (!options.masks.empty() && is_kinect(options.sequence)) {
+    throw CLI::ValidationError("--masks", "not with a Kinect, which brings none");
   }
   if (!options.masks.empty() && is_stream(options.sequence)) {
     throw CLI::ValidationError("--masks",
@@ -231,6 +242,7 @@ SourceChoice choice_of(const RunOptions& options, const SlamConfig& config) {
   choice.stream_masks = config.dynamics.mode == DynamicsMode::masks;
   choice.reconnect = options.reconnect;
   choice.topics = options.topics;
+  choice.frame_rate = options.frame_rate;
   return choice;
 }
 
@@ -247,13 +259,10 @@ std::unique_ptr<LiveView> open_view(const RunOptions& options, const SlamConfig&
                 {"camera", options.camera}};
   info.frames = source.size();
   info.camera = config.camera;
-  const fs::path truth = folder / "groundtruth.txt";
-  if (fs::exists(truth)) {
-    try {
-      info.truth = read_trajectory(truth);
-    } catch (const Error& error) {
-      spdlog::warn("shown without the truth: {}", error.what());
-    }
+  try {
+    info.truth = true_path(folder, options.frame_rate);
+  } catch (const Error& error) {
+    spdlog::warn("shown without the truth: {}", error.what());
   }
   return std::make_unique<LiveView>(options.view, std::move(info), !config.realtime);
 }
@@ -265,7 +274,7 @@ void run(RunOptions options) {
   SlamConfig config = make_config(options.config);
   check_source(options, config);
   // A camera waits for nobody.
-  if (is_socket(options.sequence) && !options.offline) config.realtime = true;
+  if (is_live(options.sequence) && !options.offline) config.realtime = true;
   check_together(options, config);
   if (!options.masks.empty()) config.dynamics.mode = DynamicsMode::masks;
   config.localize_only = !options.localize.empty();
@@ -329,7 +338,7 @@ void run(RunOptions options) {
   result.landmarks = slam.map().live_landmarks();
   for (const ClosedLoop& l : slam.loops())
     (l.joined_maps ? result.maps_joined : result.loops_closed)++;
-  result.absolute_error = error_against_truth(options.sequence, result.trajectory);
+  result.absolute_error = error_against_truth(options, result.trajectory);
   result.medians = log.medians();
   save_run(result, log, options.out);
   observers.path->remove();

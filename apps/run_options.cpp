@@ -3,7 +3,11 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "apps/camera_choice.h"
 #include "apps/commands.h"
+#include "apps/frame_rate_option.h"
 #include "dkp_slam/dynamics/modes.h"
 
 namespace dkp_slam::apps {
@@ -50,18 +54,20 @@ void add_detector_options(CLI::App& command, RunOptions& options) {
 void add_source_options(CLI::App& command, RunOptions& options) {
   auto* sequence = command.add_option(
       "SEQUENCE", options.sequence,
-      "Folder in TUM RGB-D format, a ROS 1 bag or RealSense recording, or - for a "
-      "frame stream on the standard input (docs/frame-stream.md)");
+      "Folder of images in a layout that is known (TUM RGB-D and others, docs/sources.md), a ROS 1 "
+      "bag or RealSense recording, or - for a frame stream on the standard input "
+      "(docs/frame-stream.md)");
   command
       .add_option("--source", options.sequence,
-                  "Instead of SEQUENCE: a socket to listen at for a driver's frame stream, "
-                  "unix:PATH, tcp:PORT (of this machine alone) or tcp:HOST:PORT; in real time")
+                  "Instead of SEQUENCE, in real time: kinect, or a socket to listen at for a "
+                  "driver's frame stream, unix:PATH, tcp:PORT (of this machine alone) or "
+                  "tcp:HOST:PORT")
       ->excludes(sequence);
   command.add_flag("--offline", options.offline,
                    "With a socket: drop no frame, let the driver wait");
   command
       .add_option("--reconnect", options.reconnect,
-                  "Seconds that a socket waits for a driver that was cut off to come back")
+                  "Seconds that a Kinect, or a driver, that was cut off is waited for")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
 }
@@ -71,8 +77,11 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                      "Of a bag: COLOUR,DEPTH or COLOUR,DEPTH,CAMERA_INFO; default: found by type "
                      "and name");
   command.add_option("--camera", options.camera,
-                     "Camera file (see config/*.yaml), or fr1, fr2, fr3, bonn; else the stream's "
-                     "or bag's own, or SEQUENCE/camera.yaml, else by the folder's name");
+                     fmt::format("Camera file (see config/*.yaml), or {}; else the stream's or "
+                                 "bag's own, or SEQUENCE/camera.yaml, else by the folder's layout "
+                                 "or name",
+                                 camera_names));
+  add_frame_rate_option(command, options.frame_rate);
   add_shortcut(command, options.config, "--mode", "mode",
                "What is removed: off (nothing), masks (what --masks say), paper (the paper to the "
                "letter), d (boxes), dk "

@@ -8,6 +8,7 @@
 
 #include "apps/config_options.h"
 #include "apps/run_view.h"
+#include "dkp_slam/sensor/layout/image_folder.h"
 
 namespace dkp_slam::apps {
 
@@ -16,6 +17,7 @@ struct RunOptions {
   std::string sequence;  ///< a folder, a bag, or the address of a stream
   std::string topics;    ///< of a bag; empty: found
   std::string camera;
+  double frame_rate = usual_frame_rate;  ///< Hz, of a folder without time stamps
   std::filesystem::path out, classes;
   std::filesystem::path map;         ///< file to go on from and to keep up to date; empty for none
   std::filesystem::path localize;    ///< map file to find the camera in; empty for none

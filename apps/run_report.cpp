@@ -135,7 +135,7 @@ std::string summary_text(const RunResult& result, const fs::path& out) {
   }
   text += fmt::format("; peak memory {:.0f} MB\n", peak_memory_mb());
   if (result.absolute_error) {
-    text += fmt::format("ATE {:.4f} m (RMSE, {} poses, groundtruth.txt of the sequence)\n",
+    text += fmt::format("ATE {:.4f} m (RMSE, {} poses, by the truth of the sequence)\n",
                         result.absolute_error->rmse, result.absolute_error->count);
   }
   text += fmt::format("in {}: {}", out.string(), fmt::join(files, ", "));

@@ -1,6 +1,7 @@
 #include "apps/source_choice.h"
 
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -10,8 +11,8 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/sensor/bag/bag_source.h"
 #include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/sensor/kinect/kinect_source.h"
 #include "dkp_slam/sensor/stream/stream_source.h"
-#include "dkp_slam/sensor/tum_source.h"
 
 namespace dkp_slam::apps {
 namespace {
@@ -66,11 +67,49 @@ OpenedSource open_bag_file(const SourceChoice& choice) {
   return opened;
 }
 
+OpenedSource open_device(const SourceChoice& choice) {
+  OpenedSource opened;
+  opened.camera_name = choose_camera(choice.name, choice.camera.empty() ? "kinect" : choice.camera);
+  if (choice.camera.empty()) spdlog::info("camera: {}", opened.camera_name);
+  opened.camera = load_camera(opened.camera_name);
+  KinectOptions options;
+  options.number = kinect_number(choice.name);
+  options.stop = &interrupt_flag();
+  options.reconnect = choice.reconnect;
+  auto kinect = open_kinect(options);
+  kinect->use_camera(opened.camera, load_depth_correction(opened.camera_name));
+  opened.source = std::move(kinect);
+  return opened;
+}
+
+OpenedSource open_folder(const SourceChoice& choice) {
+  OpenedSource opened;
+  TumOptions images;
+  images.masks = choice.masks;
+  std::optional<Camera> own;
+  if (choice.camera.empty() && !std::filesystem::exists(choice.name + "/camera.yaml")) {
+    own = own_camera(choice.name);
+  }
+  if (own) {
+    opened.camera = *own;
+    opened.camera_name = own->name;
+  } else {
+    opened.camera_name = choose_camera(choice.name, choice.camera);
+    opened.camera = load_camera(opened.camera_name);
+    images.depth = load_depth_correction(opened.camera_name);
+  }
+  if (choice.camera.empty()) spdlog::info("camera: {}", opened.camera_name);
+  opened.source = open_image_folder(choice.name, opened.camera, images, choice.frame_rate);
+  return opened;
+}
+
 }  // namespace
 
 bool is_stream(const std::string& name) { return StreamAddress::looks_like(name); }
 
 bool is_socket(const std::string& name) { return is_stream(name) && name != "-"; }
+
+bool is_live(const std::string& name) { return is_socket(name) || is_kinect(name); }
 
 bool is_bag_file(const std::string& name) {
   const std::filesystem::path path = name;
@@ -81,17 +120,10 @@ bool is_bag_file(const std::string& name) {
 
 OpenedSource open_source(const SourceChoice& choice) {
   if (is_stream(choice.name)) return open_driver(choice);
+  if (is_kinect(choice.name)) return open_device(choice);
   if (is_bag_file(choice.name)) return open_bag_file(choice);
   if (!choice.topics.empty()) throw Error(choice.name + ": is no bag, so --topics means nothing");
-  OpenedSource opened;
-  opened.camera_name = choose_camera(choice.name, choice.camera);
-  if (choice.camera.empty()) spdlog::info("camera: {}", opened.camera_name);
-  opened.camera = load_camera(opened.camera_name);
-  TumOptions images;
-  images.masks = choice.masks;
-  images.depth = load_depth_correction(opened.camera_name);
-  opened.source = open_tum_folder(choice.name, opened.camera, images);
-  return opened;
+  return open_folder(choice);
 }
 
 }  // namespace dkp_slam::apps

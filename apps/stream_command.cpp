@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "apps/camera_choice.h"
 #include "apps/commands.h"
+#include "apps/frame_rate_option.h"
 #include "apps/progress.h"
 #include "apps/source_choice.h"
 #include "dkp_slam/error.h"
@@ -45,7 +47,7 @@ std::size_t send(RgbdSource& source, StreamWriter& writer, std::optional<Pace> p
 
 void stream(const StreamArguments& arguments) {
   if (is_stream(arguments.source.name)) {
-    throw CLI::ValidationError("SEQUENCE", "must be a folder in TUM RGB-D format");
+    throw CLI::ValidationError("SEQUENCE", "must be a folder of images, a bag or kinect");
   }
   if (arguments.rate && !arguments.realtime) throw CLI::ValidationError("--rate needs --realtime");
   catch_interrupts();
@@ -69,9 +71,14 @@ void add_stream_command(CLI::App& program) {
       "Plays a folder as a camera's driver would: sends it as a frame stream "
       "(docs/frame-stream.md) "
       "to a pipe or to a program that listens, for instance dkp-slam run --source ADDRESS.");
-  command->add_option("SEQUENCE", arguments->source.name, "Folder in TUM RGB-D format")->required();
-  command->add_option("--camera", arguments->source.camera,
-                      "Camera file, or fr1, fr2, fr3, bonn, as for run; goes with the stream");
+  command
+      ->add_option("SEQUENCE", arguments->source.name,
+                   "Folder of images or bag (docs/sources.md), or kinect")
+      ->required();
+  command->add_option(
+      "--camera", arguments->source.camera,
+      fmt::format("Camera file, or {}, as for run; goes with the stream", camera_names));
+  add_frame_rate_option(*command, arguments->source.frame_rate);
   command->add_option("--masks", arguments->source.masks, "Folder of masks to send, as for run");
   command
       ->add_option("--to", arguments->to,

@@ -10,8 +10,8 @@
 
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/sensor/bag/ros_messages.h"
-#include "dkp_slam/sensor/bag/stamp_pairing.h"
 #include "dkp_slam/sensor/rgbd_frame.h"
+#include "dkp_slam/sensor/stamp_pairing.h"
 #include "ros/node_options.h"
 
 namespace dkp_slam::ros1 {

@@ -12,6 +12,7 @@ usage: scripts/setup.sh [--checks] [--with NAME,...] [--no-apt] [--no-onnxruntim
                        fuzz: clang with libFuzzer, for scripts/fuzz.sh
                        python: for the Python module, its tests and its wheel
                        dense: OctoMap, for `dkp-slam export --octomap`
+                       kinect: libfreenect, for a Kinect
                        ros: for ROS 1 bags, RealSense recordings and the ROS node
                        page-tests: a browser and what drives it, for the tests of the live view's page
   --no-apt           leave system packages alone (they are there, or another tool manages them)
@@ -56,11 +57,12 @@ for extra in "${extras[@]}"; do
       packages+=(pybind11-dev python3-dev python3-matplotlib python3-numpy python3-pip python3-pytest
                  python3-wheel) ;;
     dense) packages+=(liboctomap-dev) ;;
+    kinect) packages+=(libfreenect-dev) ;;
     ros)
       packages+=(libnav-msgs-dev librosbag-storage-dev libroscpp-dev libsensor-msgs-dev
                  libtf2-msgs-dev python3-roslaunch) ;;
     page-tests) packages+=(chromium) ;;
-    *) echo "setup.sh: --with '$extra' is none of: dense, fuzz, page-tests, python, ros" >&2; exit 2 ;;
+    *) echo "setup.sh: --with '$extra' is none of: dense, fuzz, kinect, page-tests, python, ros" >&2; exit 2 ;;
   esac
 done
 

@@ -38,8 +38,8 @@ BenchSequence read_sequence(const std::string& text, const std::string& camera) 
       fs::exists(sequence.folder / "associations.txt") || fs::exists(sequence.folder / "rgb.txt");
   if (!listed) {
     throw Error(text +
-                ": holds neither rgb.txt nor associations.txt; is it a sequence in TUM "
-                "format?");
+                ": holds neither rgb.txt nor associations.txt; `dkp-slam record` makes a folder in "
+                "TUM format of other layouts");
   }
   if (!fs::exists(sequence.folder / "groundtruth.txt")) {
     throw Error(text +

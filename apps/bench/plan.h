@@ -40,7 +40,7 @@ struct BenchPlanOptions {
   std::vector<std::string> folders;
   std::vector<std::string> modes{"off", "d", "dk", "dkp", "dkp+"};
   std::vector<std::string> detectors{"auto"};
-  std::string camera;  ///< a file or fr1, fr2, fr3, bonn; empty: each sequence's own
+  std::string camera;  ///< a file or one of `camera_names`; empty: each sequence's own
   std::string model;
   int repeat = 3;  ///< seeds 1, 2, ...
   ConfigOptions config;

@@ -1,31 +1,13 @@
 #pragma once
 
-#include <cstddef>
-#include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "dkp_slam/geometry/camera.h"
-#include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/rgbd_source.h"
+#include "dkp_slam/sensor/tum_options.h"
 
 namespace dkp_slam {
-
-struct TumOptions {
-  /// Seconds between a colour and a depth image that still belong together, exclusive; used where
-  /// there is no associations.txt. Default of the TUM benchmark's associate.py.
-  double max_difference = 0.02;
-  /// Pairs left out at the beginning; the first one read has index 0 all the same.
-  std::size_t first_frame = 0;
-  /// Pairs read at most; nothing: all of them.
-  std::optional<std::size_t> frame_limit;
-  /// Folder of masks (RgbdFrame::mask), each named like its colour image: STEM.png, 8-bit grey, of
-  /// the image's size. Empty: none are read.
-  std::filesystem::path masks;
-  /// Of the camera file: the delay is added to RgbdFrame::depth_delay, the bias to known depths.
-  DepthCorrection depth;
-};
 
 /// Opens a folder in the format of the TUM RGB-D benchmark (the Bonn RGB-D Dynamic Dataset uses it
 /// too): associations.txt, or rgb.txt and depth.txt, and the images they name. Colour is PNG, JPEG

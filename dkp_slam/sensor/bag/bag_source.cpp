@@ -15,10 +15,10 @@
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/error.h"
-#include "dkp_slam/sensor/bag/depth_registration.h"
 #include "dkp_slam/sensor/bag/ros_messages.h"
-#include "dkp_slam/sensor/bag/stamp_pairing.h"
+#include "dkp_slam/sensor/depth_registration.h"
 #include "dkp_slam/sensor/image_reader.h"
+#include "dkp_slam/sensor/stamp_pairing.h"
 
 namespace dkp_slam {
 namespace {

@@ -1,4 +1,4 @@
-#include "dkp_slam/sensor/bag/depth_registration.h"
+#include "dkp_slam/sensor/depth_registration.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "dkp_slam/sensor/bag/stamp_pairing.h"
+#include "dkp_slam/sensor/stamp_pairing.h"
 
 #include <utility>
 #include <vector>
