@@ -15,6 +15,7 @@
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/sensor/bag/bag_records.h"
 #include "dkp_slam/sensor/bag/ros_messages.h"
 #include "dkp_slam/sensor/depth_registration.h"
 #include "dkp_slam/sensor/image_reader.h"
@@ -116,6 +117,11 @@ class RosBagSource : public BagSource {
   void open(const BagOptions& options) {
     if (!std::filesystem::exists(file_)) fail("no such file; check the path");
     if (!is_bag(file_)) fail("is no ROS 1 bag (those of ROS 2 are not read)");
+    try {
+      check_bag_records(file_);
+    } catch (const Error& error) {
+      fail(fmt::format("is cut off or damaged ({})", error.what()));
+    }
     bag_.open(file_, rosbag::bagmode::Read);
     try {
       topics_ = choose_topics(topics_of_bag(), options.topics);

@@ -1,7 +1,10 @@
 #include "dkp_slam/sensor/bag/bag_source.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <random>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -187,6 +190,59 @@ TEST_F(BagSourceTest, ABagThatWasCutOffIsOneLine) {
                 ThrowsMessage<Error>(AllOf(HasSubstr("test.bag"), HasSubstr("cut off"))))
         << size;
   }
+}
+
+TEST_F(BagSourceTest, WhateverBytesAreWrongItIsOneLineOrFrames) {
+  {
+    TestBag bag(file());
+    bag.info("/camera/rgb/camera_info", 1.0, {6, 4}, 500.0);
+    for (int i = 0; i < 4; ++i) {
+      bag.image("/camera/rgb/image_color", 1.0 + i / 10.0, TestBag::pattern(), "bgr8");
+      bag.image("/camera/depth/image", 1.0 + i / 10.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)),
+                "16UC1");
+    }
+  }
+  std::ifstream in(file(), std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  const auto read_all = [this] {
+    try {
+      const auto bag = open_bag(file());
+      if (!bag->own_camera()) return false;
+      bag->use_camera(*bag->own_camera());
+      while (bag->read()) {
+      }
+      return true;
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      return false;
+    }
+  };
+  ASSERT_TRUE(read_all());
+  std::mt19937 random(1);
+  int refused = 0;
+  for (int round = 0; round < 300; ++round) {
+    std::string bytes = whole;
+    for (unsigned changes = 1 + random() % 4; changes > 0; --changes) {
+      const std::size_t at = random() % bytes.size();
+      switch (random() % 4) {
+        case 0:
+          bytes[at] = static_cast<char>(random());
+          break;
+        case 1:
+          bytes.replace(at, std::min<std::size_t>(4, bytes.size() - at), "\xff\xff\xff\xff");
+          break;
+        case 2:
+          bytes.erase(at, random() % 20);
+          break;
+        case 3:
+          bytes.resize(std::max<std::size_t>(at, 13));
+          break;
+      }
+    }
+    std::ofstream(file(), std::ios::binary) << bytes;
+    refused += !read_all();
+  }
+  EXPECT_GT(refused, 100);
 }
 
 }  // namespace
