@@ -1,13 +1,18 @@
 #include "apps/process.h"
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <new>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <execinfo.h>
 #include <fcntl.h>
@@ -20,6 +25,54 @@
 
 namespace dkp_slam::apps {
 namespace {
+
+std::atomic<bool> memory_ran_out = false;
+
+bool is_lack_of_memory(const std::exception& error) {
+  const auto* const opencv = dynamic_cast<const cv::Exception*>(&error);
+  return dynamic_cast<const std::bad_alloc*>(&error) ||
+         (opencv && opencv->code == cv::Error::StsNoMem);
+}
+
+[[noreturn]] void end_for_lack_of_memory() {
+  constexpr std::string_view line =
+      "dkp-slam: out of memory where a library cannot go on; end other programs or raise the limit "
+      "(ulimit -v)\n";
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line.data(), line.size());
+  _exit(EXIT_FAILURE);
+}
+
+/// Where memory runs out some libraries throw out of destructors (OpenCV's BufferArea, Ceres'
+/// timers), which no caller can catch. It is told like any other lack of memory, and files are as
+/// after a kill; everything else is a bug, and aborts.
+[[noreturn]] void on_terminate() {
+  thread_local bool entered = false;  // telling may itself fail for lack of memory
+  if (memory_ran_out || std::exchange(entered, true)) end_for_lack_of_memory();
+  if (std::current_exception()) {
+    try {
+      throw;
+    } catch (const std::exception& error) {
+      if (is_lack_of_memory(error)) end_for_lack_of_memory();
+      std::fprintf(stderr, "dkp-slam: bug: %s\n", error.what());
+    } catch (...) {
+      std::fputs("dkp-slam: bug: an exception of no kind\n", stderr);
+    }
+  }
+  std::abort();
+}
+
+/// Notes that memory ran out, for `on_terminate`: what is in flight by then tells little.
+void watch_memory() {
+  std::set_new_handler([] {
+    memory_ran_out = true;
+    throw std::bad_alloc();
+  });
+  cv::redirectError([](int code, const char*, const char*, const char*, int, void*) {
+    if (code == cv::Error::StsNoMem) memory_ran_out = true;
+    return 0;
+  });
+  std::set_terminate(on_terminate);
+}
 
 /// One line of stderr for each message.
 class StderrSink : public spdlog::sinks::base_sink<std::mutex> {
@@ -63,14 +116,13 @@ void prepare_process() {
   // aborts where there is no memory left for that; a first look at the stack makes it do so now.
   void* frame = nullptr;
   backtrace(&frame, 1);
+  watch_memory();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
 std::string message_of(const std::exception& error) {
-  const auto* const opencv = dynamic_cast<const cv::Exception*>(&error);
-  if (dynamic_cast<const std::bad_alloc*>(&error) ||
-      (opencv && opencv->code == cv::Error::StsNoMem)) {
+  if (is_lack_of_memory(error)) {
     return "out of memory; end other programs or raise the limit (ulimit -v)";
   }
   if (const auto* const files = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
@@ -80,6 +132,7 @@ std::string message_of(const std::exception& error) {
   if (system && system->code() == std::errc::resource_unavailable_try_again) {
     return "no thread could be started; end other programs or raise the limits (ulimit -u, -v)";
   }
+  const auto* const opencv = dynamic_cast<const cv::Exception*>(&error);
   return opencv ? opencv->err : error.what();
 }
 

@@ -7,7 +7,8 @@ namespace dkp_slam::apps {
 
 /// To be called first: makes the program independent of how it was started. Descriptors 0 to 2 that
 /// are closed lead nowhere (a file opened later would get their numbers, and messages with them),
-/// and a reader that goes away or a limit on the size of files ends writing, not the program.
+/// and a reader that goes away or a limit on the size of files ends writing, not the program. Where
+/// memory runs out in a library that then cannot go on, the program ends with code 1 and a line.
 void prepare_process();
 
 /// What to tell of an exception, in one line: of memory that ran out, what that means.

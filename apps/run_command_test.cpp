@@ -16,6 +16,7 @@
 #include "apps/test_sequence.h"
 #include "dkp_slam/detection/yolox/tiny_onnx.h"
 #include "dkp_slam/evaluation/absolute_error.h"
+#include "dkp_slam/evaluation/measure/timings.h"
 
 namespace dkp_slam {
 namespace {
@@ -142,6 +143,16 @@ TEST_F(RunCommand, LocalisesEveryFrameAndSaysWhereThingsAre) {
   EXPECT_THAT(stdout_, HasSubstr(out().string()));
   const std::string timings = content(out() / "timings.csv");
   EXPECT_EQ(std::count(timings.begin(), timings.end(), '\n'), frame_count + 1);
+  const auto columns = read_timings(timings);
+  for (int i = 0; i < frame_count; ++i) {
+    const auto at = [&](const char* column) {
+      return columns.at(column).at(static_cast<std::size_t>(i));
+    };
+    EXPECT_GT(at("position_sigma_m"), 0.003);
+    EXPECT_LT(at("position_sigma_m"), 0.02);
+    EXPECT_EQ(at("people_share"), 0.0);
+    EXPECT_EQ(at("since_map_seen_s"), 0.0);
+  }
   EXPECT_TRUE(error_lines().empty()) << stderr_;
   EXPECT_THAT(stderr_, HasSubstr("run: 12 of 12"));
 }

@@ -33,16 +33,19 @@ constexpr std::array columns = {
 std::string header() {
   std::string line =
       "index,timestamp,localised,keyframe,features,removed,detections,compensated,landmarks,"
-      "map_keyframes,map_landmarks,memory_mb";
+      "position_sigma_m,people_share,since_map_seen_s,map_keyframes,map_landmarks,memory_mb";
   for (const Column& c : columns) line += fmt::format(",{}_ms", c.name);
   return line + '\n';
 }
 
 std::string line_of(const FrameResult& f, double memory_mb) {
-  std::string line =
-      fmt::format("{},{:.6f},{:d},{:d},{},{},{},{},{},{},{},{:.1f}", f.index, f.timestamp,
-                  f.localised, f.keyframe, f.features, f.removed_features, f.detections,
-                  f.compensated, f.tracked_landmarks, f.map_keyframes, f.map_landmarks, memory_mb);
+  std::string line = fmt::format("{},{:.6f},{:d},{:d},{},{},{},{},{},", f.index, f.timestamp,
+                                 f.localised, f.keyframe, f.features, f.removed_features,
+                                 f.detections, f.compensated, f.tracked_landmarks);
+  // Infinite where nothing is known: "inf".
+  line += fmt::format("{:.4f},{:.3f},{:.3f},{},{},{:.1f}", f.quality.position_sigma(),
+                      f.quality.people_share, f.quality.since_map_seen, f.map_keyframes,
+                      f.map_landmarks, memory_mb);
   for (const Column& c : columns) line += fmt::format(",{:.3f}", f.*c.value);
   return line + '\n';
 }

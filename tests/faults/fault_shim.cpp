@@ -1,5 +1,6 @@
 // Preloaded into a program: makes one of its calls fail, as a disk or the memory would.
-//   FAULT_CALL   write, sync, open (for writing), read (of files), memory
+//   FAULT_CALL   write, sync, open (for writing), read (of files), memory, place: the first
+//                allocation on each way through the program, told apart by who calls whom
 //   FAULT_NTH    which of these calls, counted from 1 since the program has begun (prepare_process)
 //   FAULT_ERROR  enospc, eio, short (half of a write or read, then nothing wrong); not of memory
 //   FAULT_LASTS  1: that one and all after it
@@ -10,9 +11,11 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdarg>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -20,6 +23,7 @@
 #include <sys/syscall.h>
 #include <sys/uio.h>
 #include <unistd.h>
+#include <unwind.h>
 
 extern "C" {
 void* __libc_malloc(std::size_t);               // NOLINT: glibc's own names
@@ -29,7 +33,7 @@ void* __libc_realloc(void*, std::size_t);       // NOLINT
 
 namespace {
 
-enum class Call { none, write, sync, open, read, memory };
+enum class Call { none, write, sync, open, read, memory, place };
 enum class Outcome { good, failed, cut };
 
 std::atomic<bool> begun = false;
@@ -54,11 +58,8 @@ __attribute__((constructor)) void read_plan() {
   const struct {
     const char* name;
     Call call;
-  } names[] = {{"write", Call::write},
-               {"sync", Call::sync},
-               {"open", Call::open},
-               {"read", Call::read},
-               {"memory", Call::memory}};
+  } names[] = {{"write", Call::write}, {"sync", Call::sync},     {"open", Call::open},
+               {"read", Call::read},   {"memory", Call::memory}, {"place", Call::place}};
   for (const auto& [name, call] : names) {
     if (is("FAULT_CALL", name)) plan.call = call;
   }
@@ -77,7 +78,7 @@ Outcome outcome(Call call) {
     const long file = syscall(SYS_openat, AT_FDCWD, plan.seen, O_CREAT | O_WRONLY, 0644);
     if (file >= 0) syscall(SYS_close, file);
   }
-  errno = call == Call::memory ? ENOMEM : plan.error;
+  errno = call == Call::memory || call == Call::place ? ENOMEM : plan.error;
   return plan.cut ? Outcome::cut : Outcome::failed;
 }
 
@@ -86,6 +87,46 @@ Outcome outcome_at(Call call, int file) {
   if (call != plan.call || fstat(file, &status) != 0 || !S_ISREG(status.st_mode))
     return Outcome::good;
   return outcome(call);
+}
+
+/// The callers of an allocation, as one number: as many as tell our own places apart and do not
+/// count each depth of a library's recursion.
+std::uint64_t way_here() {
+  constexpr int depth = 8;
+  struct Walk {
+    std::uint64_t hash = 0xCBF29CE484222325ULL;
+    int left = depth;
+  } walk;
+  _Unwind_Backtrace(
+      [](_Unwind_Context* context, void* data) {
+        auto& so_far = *static_cast<Walk*>(data);
+        so_far.hash = (so_far.hash ^ _Unwind_GetIP(context)) * 0x100000001B3ULL;
+        return --so_far.left > 0 ? _URC_NO_REASON : _URC_END_OF_STACK;
+      },
+      &walk);
+  return walk.hash | 1U;
+}
+
+/// True for the first allocation on its way.
+bool is_new_place() {
+  static std::atomic<std::uint64_t> known[1 << 16];
+  const std::uint64_t way = way_here();
+  for (std::size_t at = way >> 20;; ++at) {
+    std::uint64_t there = 0;
+    std::atomic<std::uint64_t>& slot = known[at % std::size(known)];
+    if (slot.compare_exchange_strong(there, way)) return true;
+    if (there == way) return false;
+  }
+}
+
+Outcome outcome_of_allocation() {
+  if (plan.call == Call::memory) return outcome(Call::memory);
+  static thread_local bool looking = false;  // the look itself may allocate
+  if (plan.call != Call::place || !begun || looking) return Outcome::good;
+  looking = true;
+  const bool counts = is_new_place();
+  looking = false;
+  return counts ? outcome(Call::place) : Outcome::good;
 }
 
 /// What of so many bytes is to be done, or -1.
@@ -182,13 +223,13 @@ std::FILE* fopen64(const char* path, const char* mode) {
 }
 
 void* malloc(std::size_t size) {
-  return outcome(Call::memory) == Outcome::good ? __libc_malloc(size) : nullptr;
+  return outcome_of_allocation() == Outcome::good ? __libc_malloc(size) : nullptr;
 }
 void* calloc(std::size_t count, std::size_t size) {
-  return outcome(Call::memory) == Outcome::good ? __libc_calloc(count, size) : nullptr;
+  return outcome_of_allocation() == Outcome::good ? __libc_calloc(count, size) : nullptr;
 }
 void* realloc(void* block, std::size_t size) {
-  return outcome(Call::memory) == Outcome::good ? __libc_realloc(block, size) : nullptr;
+  return outcome_of_allocation() == Outcome::good ? __libc_realloc(block, size) : nullptr;
 }
 
 }  // extern "C"

@@ -1,8 +1,11 @@
 #include "dkp_slam/evaluation/measure/timings.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <sstream>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -41,11 +44,12 @@ std::map<std::string, std::vector<double>> read_timings(const std::string& csv) 
                               fields.size(), names.size()));
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
-      std::istringstream field(fields[i]);
+      const std::string& field = fields[i];
       double value = 0.0;
-      if (!(field >> value) || !field.eof()) {
+      const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+      if (error != std::errc() || end != field.data() + field.size() || std::isnan(value)) {
         throw Error(fmt::format("timings.csv:{}: {}: '{}' is no number; run it again", number,
-                                names[i], fields[i]));
+                                names[i], field));
       }
       columns[names[i]].push_back(value);
     }
