@@ -22,8 +22,7 @@ void YoloxOptions::describe(OptionList& list) {
   list.add("provider", provider, {{"cpu", "cpu"}, {"cuda", "cuda"}, {"tensorrt", "tensorrt"}},
            "execution provider of ONNX Runtime");
   list.add("threads", threads, between(1, 256), "", "of the network");
-  list.add("interval", interval, at_least(0), "seconds",
-           "between two images that it looks at, at least; 0: every image");
+  list.add_part("looks", looks, "which images it looks at");
   list.add_part("decode", decode, "boxes from its output");
   list.leave_out();  // the classes: a file of their own
 }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "dkp_slam/detection/class_table.h"
+#include "dkp_slam/detection/look_schedule.h"
 
 namespace dkp_slam {
 
@@ -40,9 +41,7 @@ struct YoloxOptions {
   /// Threads of the network. 1: on two cores tracking and mapping need the other one, and results
   /// do not depend on the number of cores.
   int threads = 1;
-  /// Seconds between two images that it looks at, at least: objects are carried from one to the
-  /// next. 0.05 is every second image at 30 Hz.
-  double interval = 0.0;
+  LookOptions looks;
   yolox::DecodeOptions decode;
   ClassTable classes;
 

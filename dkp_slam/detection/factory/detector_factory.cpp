@@ -19,19 +19,13 @@ namespace {
 class YoloxDetector : public Detector {
  public:
   YoloxDetector(std::unique_ptr<YoloxNetwork> network, YoloxOptions options)
-      : network_(std::move(network)), options_(std::move(options)) {
+      : network_(std::move(network)), options_(std::move(options)), schedule_(options_.looks) {
     network_->run();
   }
 
   std::string name() const override { return "yolox (" + network_->name() + ")"; }
 
-  bool looks_at(const RgbdFrame& frame) override {
-    // A clock that was set back must not blind it.
-    const bool due = !last_look_ || frame.timestamp < *last_look_ ||
-                     frame.timestamp - *last_look_ >= options_.interval;
-    if (due) last_look_ = frame.timestamp;
-    return due;
-  }
+  bool looks_at(const RgbdFrame& frame) override { return schedule_.due(frame.timestamp); }
 
   std::vector<Detection> detect(const RgbdFrame& frame) override {
     if (frame.colour.empty() || frame.colour.type() != CV_8UC3) {
@@ -39,14 +33,16 @@ class YoloxDetector : public Detector {
     }
     const cv::Size size = network_->input_size();
     const float factor = yolox::letterbox(frame.colour, size, network_->input(), scratch_);
-    return yolox::decode(network_->run(), size, factor, frame.colour.size(), options_.classes,
-                         options_.decode);
+    std::vector<Detection> found = yolox::decode(network_->run(), size, factor, frame.colour.size(),
+                                                 options_.classes, options_.decode);
+    schedule_.saw(found, frame.colour.size());
+    return found;
   }
 
  private:
   std::unique_ptr<YoloxNetwork> network_;
   YoloxOptions options_;
-  std::optional<double> last_look_;  // seconds
+  LookSchedule schedule_;
   cv::Mat scratch_;
 };
 

@@ -128,25 +128,19 @@ TEST_P(YoloxBackends, RunsOnTheCpuWhenAProviderIsMissing) {
   EXPECT_TRUE(make_yolox_detector(options_)->detect(frame).empty());
 }
 
-TEST_P(YoloxBackends, LooksAtAnImageAgainAfterTheInterval) {
+TEST_P(YoloxBackends, LooksAtFewerImagesWhereItSeesNobody) {
   tiny_onnx::write_model(options_.model, 32, 21, 85);
-  const auto looks = [this](const std::vector<double>& timestamps) {
-    const auto detector = make_yolox_detector(options_);
-    std::vector<bool> out;
-    RgbdFrame frame;
-    for (const double t : timestamps) {
-      frame.timestamp = t;
-      out.push_back(detector->looks_at(frame));
-    }
-    return out;
-  };
-  options_.interval = 0.05;
-  // At 30 Hz every second image; a gap and a clock that is set back are looked at at once.
-  EXPECT_THAT(looks({1.0, 1.033, 1.067, 1.1, 1.133, 3.0, 3.033, 1.2}),
-              ::testing::ElementsAre(true, false, true, false, true, true, false, true));
-  EXPECT_THAT(looks({1.0, 1.067, 1.133}), ::testing::Each(true));  // 15 Hz
-  options_.interval = 0.0;
-  EXPECT_THAT(looks({1.0, 1.01, 1.02}), ::testing::Each(true));
+  const auto detector = make_yolox_detector(options_);
+  RgbdFrame frame;
+  frame.colour = cv::Mat::zeros(32, 32, CV_8UC3);
+  int looks = 0;
+  for (int i = 0; i < 90; ++i) {
+    frame.timestamp = i / 30.0;
+    if (!detector->looks_at(frame)) continue;
+    detector->detect(frame);
+    ++looks;
+  }
+  EXPECT_NEAR(looks, 30 + 30, 1);  // all of the first second, half of the others
 }
 
 TEST_P(YoloxBackends, RefusesAFrameWithoutColour) {

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "dkp_slam/detection/detector.h"
+
+namespace dkp_slam {
+
+class OptionList;
+
+/// Between looks objects are carried by flow and depth, which is as good while little moves; where
+/// people fill the image a look late costs frames.
+struct LookOptions {
+  /// Seconds between two looks, at least, while people and animals cover less than `many` of the
+  /// image; every second one at 30 Hz. 0: every image.
+  double interval = 0.05;
+  double many = 0.15;
+
+  void describe(OptionList& list);
+  void check() const;  ///< throws `Error`, which names field, value and bound
+};
+
+/// Says which images a detector looks at, from what it saw in those before.
+class LookSchedule {
+ public:
+  explicit LookSchedule(const LookOptions& options) : options_(options) {}
+
+  /// Whether the image of `time` (seconds) is one of them; asked once for every image, in order.
+  /// After a gap, or when the clock was set back, it is.
+  bool due(double time);
+  /// What was seen in the image that was last due, which is of that size.
+  void saw(const std::vector<Detection>& detections, const cv::Size& image);
+
+ private:
+  LookOptions options_;
+  std::optional<double> start_;  // seconds
+  double last_look_ = 0.0;       // seconds
+  double last_seen_ = 0.0;       // seconds, of somebody
+  double share_ = 1.0;           // of the image that people cover
+};
+
+}  // namespace dkp_slam
