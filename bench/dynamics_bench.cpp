@@ -4,21 +4,22 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/config/option_list.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
+#include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/dynamics/dynamics_module.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/mask_score.h"
 #include "dkp_slam/evaluation/overlay.h"
 #include "dkp_slam/feature/orb_extractor.h"
 #include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/system/config.h"
 
 namespace dkp_slam {
 namespace {
@@ -27,6 +28,7 @@ struct BenchOptions {
   std::string sequence, camera, model, detections, csv, overlay, mode = "dkp+", clustering;
   int first = 0, last = 1 << 30, overlay_every = 0;
   std::vector<int> overlay_frames;
+  std::vector<std::string> settings;
 };
 
 struct Entry {
@@ -45,22 +47,6 @@ std::vector<Entry> read_associations(const std::filesystem::path& folder) {
 }
 
 /// Lines "frame class score x y width height", as a stand-in for the network in repeated runs.
-std::map<int, std::vector<Detection>> read_detections(const std::string& path) {
-  std::map<int, std::vector<Detection>> all;
-  std::ifstream in(path);
-  std::string line;
-  const ClassTable classes;
-  while (std::getline(in, line)) {
-    std::istringstream words(line);
-    int frame = 0;
-    Detection d;
-    words >> frame >> d.class_id >> d.score >> d.box.x >> d.box.y >> d.box.width >> d.box.height;
-    d.weight = classes.weight(d.class_id);
-    all[frame].push_back(d);
-  }
-  return all;
-}
-
 double median(std::vector<double> v) {
   if (v.empty()) return 0.0;
   std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
@@ -98,6 +84,11 @@ void run(const BenchOptions& bench) {
   options.mode = mode_named(bench.mode);
   if (bench.clustering == "paper") options.clustering.mode = ClusteringMode::paper;
   if (bench.clustering == "band") options.clustering.mode = ClusteringMode::band;
+  SlamConfig config;
+  config.dynamics = options;
+  OptionList list = OptionList::of(config);
+  for (const std::string& setting : bench.settings) list.assign(setting);
+  options = config.dynamics;
   DynamicsModule dynamics(camera, options);
   OrbExtractor orb;
   std::unique_ptr<Detector> detector;
@@ -105,8 +96,9 @@ void run(const BenchOptions& bench) {
     YoloxOptions yolox;
     yolox.model = bench.model;
     detector = make_yolox_detector(yolox);
+  } else if (!bench.detections.empty()) {
+    detector = open_recorded_detections(bench.detections, ClassTable());
   }
-  const auto cached = read_detections(bench.detections);
   const std::filesystem::path folder(bench.sequence);
   const std::vector<Entry> entries = read_associations(folder);
   if (!bench.overlay.empty()) std::filesystem::create_directories(bench.overlay);
@@ -132,14 +124,11 @@ void run(const BenchOptions& bench) {
     cv::Mat grey;
     cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
     const auto keypoints = orb.extract(grey).keypoints;
-    std::vector<Detection> detections;
-    if (detector) {
-      detections = detector->detect(frame);
-    } else if (const auto found = cached.find(i); found != cached.end()) {
-      detections = found->second;
-    }
-    const FrameDynamics result =
-        dynamics.process(frame, grey, keypoints, {frame.timestamp, true, detections});
+    DetectionResult answer;
+    answer.timestamp = frame.timestamp;
+    answer.answered = detector && detector->looks_at(frame);
+    if (answer.answered) answer.detections = detector->detect(frame);
+    const FrameDynamics result = dynamics.process(frame, grey, keypoints, answer);
     ++totals.frames;
     totals.features += keypoints.size();
     totals.clustering_ms.push_back(result.clustering_ms);
@@ -196,6 +185,7 @@ int main(int argc, char** argv) {
   app.add_option("sequence", bench.sequence, "TUM folder with associations.txt")->required();
   app.add_option("--camera", bench.camera, "camera file")->required();
   app.add_option("--model", bench.model, "YOLOX model");
+  app.add_option("--set", bench.settings, "NAME=VALUE of the configuration");
   app.add_option("--detections", bench.detections, "file of detections instead of a model");
   app.add_option("--mode", bench.mode, dkp_slam::mode_names());
   app.add_option("--clustering", bench.clustering)

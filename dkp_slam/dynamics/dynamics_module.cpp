@@ -50,7 +50,8 @@ struct DynamicsModule::State {
                                                const std::vector<cv::Rect2f>& hidden) const;
   void track(const cv::Mat& grey, const DetectionResult& answer, Work& work);
   std::optional<Se3> measure_ego_motion(Work& work);
-  void cut_masks(Work& work);
+  void cut_masks(const cv::Mat& grey, Work& work);
+  void learn_background(const cv::Mat& grey, const Work& work);
   void classify(Work& work, FrameDynamics& result);
   void measure_ego_motion_again(Work& work, FrameDynamics& result);
   void follow_given_masks(const cv::Mat& grey, Work& work, FrameDynamics& result);
@@ -110,12 +111,20 @@ std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
     parts.motion->look_back(work.frame.depth, work.points, doubtful, work.motion);
   }
   if (work.motion.camera_motion) history.set_ego_motion(parts.motion->current_from_previous());
+  if (parts.background) {
+    // Where people fill the view the motion may be theirs in part, and what is hidden would drift.
+    if (work.motion.camera_motion && !work.few_outside) {
+      parts.background->move(parts.motion->current_from_previous());
+    } else {
+      parts.background->forget();
+    }
+  }
   if (!work.motion.camera_motion || !work.motion.from_low_points) return std::nullopt;
   return work.motion.camera_motion->previous_from_current.inverse();
 }
 
 /// Cuts the objects out, where there is anything to cut out.
-void DynamicsModule::State::cut_masks(Work& work) {
+void DynamicsModule::State::cut_masks(const cv::Mat& grey, Work& work) {
   const TraceSpan span("masks");
   cv::Mat covered = parts.objects->cover(rays.size());
   const bool worth_a_look = parts.surfaces && parts.surfaces->worth_a_look(work.motion);
@@ -128,7 +137,7 @@ void DynamicsModule::State::cut_masks(Work& work) {
   Scene scene = parts.masks->scene(
       work.view, parts.planes ? parts.planes->planes() : std::vector<Plane>(), work.seed);
   if (parts.surfaces) parts.surfaces->judge(work.points, work.motion, scene.surfaces);
-  cut_objects(*parts.masks, scene, work.seed, *parts.objects);
+  cut_objects(*parts.masks, scene, parts.background.get(), grey, work.seed, *parts.objects);
   if (parts.surfaces) {
     std::vector<ObjectMask> held;
     for (const auto& t : parts.objects->objects()) held.push_back(t.mask);
@@ -138,6 +147,13 @@ void DynamicsModule::State::cut_masks(Work& work) {
     }
   }
   work.labels = paint_labels(*parts.objects, size);
+}
+
+void DynamicsModule::State::learn_background(const cv::Mat& grey, const Work& work) {
+  if (!parts.background) return;
+  const TraceSpan span("background");
+  parts.background->learn(work.view, grey, parts.objects->self_moving_boxes(),
+                          work.frame.timestamp);
 }
 
 /// Tells static features from dynamic ones.
@@ -234,7 +250,8 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   if (s.parts.ego_motion) result.current_from_previous = s.measure_ego_motion(work);
   result.removal_ms += watch.lap_ms();
 
-  s.cut_masks(work);
+  s.cut_masks(grey, work);
+  s.learn_background(grey, work);
   s.previous_labels = work.labels;
   for (const auto& t : s.parts.objects->objects()) result.objects.push_back(t.object);
   if (!result.objects.empty()) result.mask = work.labels > 0;

@@ -8,6 +8,7 @@ void DynamicsOptions::describe(OptionList& list) {
   list.leave_out();  // the mode: it stands above all parts
   list.add_part("clustering", clustering, "masks of objects (3.4)");
   list.add_part("static_planes", static_planes, "remembered from frame to frame");
+  list.add_part("background", background, "known from before somebody came");
   list.add_part("compensation", compensation, "of missed detections (3.3)");
   list.add_part("history", history, "carries answers about earlier images");
   list.add_part("motion", motion, "of features against a static world");

@@ -2,6 +2,7 @@
 
 #include "dkp_slam/dynamics/compensation/object_tracker.h"
 #include "dkp_slam/dynamics/masks/clustering.h"
+#include "dkp_slam/dynamics/masks/static_background.h"
 #include "dkp_slam/dynamics/masks/static_planes.h"
 #include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/dynamics/motion/feature_motion.h"
@@ -18,6 +19,7 @@ struct DynamicsOptions {
   DynamicsMode mode = DynamicsMode::dkp_plus;
   ClusteringOptions clustering;
   StaticPlanesOptions static_planes;
+  StaticBackgroundOptions background;
   ObjectTrackerOptions compensation;
   MotionHistoryOptions history;
   FeatureMotionOptions motion;

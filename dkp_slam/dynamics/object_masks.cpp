@@ -8,26 +8,28 @@ namespace dkp_slam {
 namespace {
 
 /// False when an object that the detector missed is not to be found in the depth either.
-bool cut_object(const MaskCutter& cutter, const Scene& scene, std::uint64_t seed,
-                ObjectTracker& objects, std::size_t index) {
+bool cut_object(const MaskCutter& cutter, const Scene& scene, const StaticBackground* background,
+                const cv::Mat& grey, std::uint64_t seed, ObjectTracker& objects,
+                std::size_t index) {
   const ObjectTracker::Tracked& t = objects.objects()[index];
   if (!t.object.moves_by_itself) return true;
   if (!t.silhouette.empty()) {
     objects.set_mask(index, mask_from_silhouette(scene.view, t.silhouette, t.detected_box), true);
     return true;
   }
-  const ObjectMask mask = cutter.cut(scene, t.object.box, ObjectTracker::prior_of(t), seed);
+  ObjectMask mask = cutter.cut(scene, t.object.box, ObjectTracker::prior_of(t), seed);
+  if (background) background->correct(scene.view, grey, t.object.box, mask);
   objects.set_mask(index, mask, mask.moving);
   return !t.object.compensated || !t.missed || !(mask.empty() || mask.still);
 }
 
 }  // namespace
 
-void cut_objects(const MaskCutter& cutter, const Scene& scene, std::uint64_t seed,
-                 ObjectTracker& objects) {
+void cut_objects(const MaskCutter& cutter, const Scene& scene, const StaticBackground* background,
+                 const cv::Mat& grey, std::uint64_t seed, ObjectTracker& objects) {
   std::vector<bool> gone(objects.objects().size(), false);
   for (std::size_t o = 0; o < gone.size(); ++o) {
-    gone[o] = !cut_object(cutter, scene, seed, objects, o);
+    gone[o] = !cut_object(cutter, scene, background, grey, seed, objects, o);
   }
   objects.remove(gone);
   objects.drop_duplicates();

@@ -40,6 +40,7 @@ DynamicsParts common_parts(const Camera& camera, const DynamicsOptions& options)
   parts.ego_motion = true;
   parts.follow_some = true;
   parts.planes = std::make_unique<StaticPlanes>(options.static_planes, options.clustering.planes);
+  parts.background = std::make_unique<StaticBackground>(camera, options.background);
   parts.masks = std::make_unique<MaskCutter>(options.clustering, camera.fx);
   return parts;
 }
@@ -98,6 +99,7 @@ std::vector<std::string> DynamicsParts::names() const {
   add(ego_motion, "ego-motion");
   add(long_baseline, "long baseline");
   add(planes != nullptr, "static planes");
+  add(background != nullptr, "static background");
   if (masks) all.push_back(masks->name());
   add(surfaces != nullptr, "moving surfaces");
   if (classifier) all.push_back(classifier->name());

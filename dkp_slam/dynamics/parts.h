@@ -25,6 +25,7 @@ struct DynamicsParts {
   bool ego_motion = false;     ///< measured from what is static: predicts, undoes the shutter
   bool long_baseline = false;  ///< residuals over `FeatureMotionOptions::long_baseline` as well
   std::unique_ptr<StaticPlanes> planes;                 ///< tables, floor, walls
+  std::unique_ptr<StaticBackground> background;         ///< what stood there before they came
   std::unique_ptr<MaskCutter> masks;                    ///< §3.4: an object in its box
   std::unique_ptr<MovingSurfaces> surfaces;             ///< what moves on its own accord
   std::unique_ptr<FeatureClassifier> classifier;        ///< §3.5: static or not

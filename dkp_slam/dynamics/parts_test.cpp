@@ -31,7 +31,11 @@ TEST(Parts, PaperHasThoseOfTheText) {
 }
 
 TEST(Parts, TheAblationDiffersByItsRuleAlone) {
-  const Names common = {"object tracker with carried boxes", "flow", "ego-motion", "static planes",
+  const Names common = {"object tracker with carried boxes",
+                        "flow",
+                        "ego-motion",
+                        "static planes",
+                        "static background",
                         "masks by clusters and surfaces"};
   const auto with = [&](const char* rule) {
     Names all = common;
@@ -46,8 +50,8 @@ TEST(Parts, TheAblationDiffersByItsRuleAlone) {
 TEST(Parts, OursSeesMotionToo) {
   EXPECT_EQ(parts_of(DynamicsMode::dkp_plus),
             (Names{"object tracker with carried boxes", "flow", "ego-motion", "long baseline",
-                   "static planes", "masks by clusters and surfaces", "moving surfaces",
-                   "residual rule"}));
+                   "static planes", "static background", "masks by clusters and surfaces",
+                   "moving surfaces", "residual rule"}));
 }
 
 TEST(Modes, AreKnownByName) {

@@ -5,8 +5,20 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/dynamics/masks/static_planes.h"
+
 namespace dkp_slam {
 namespace {
+
+/// Fills the convex hull of `mask` in `out`, both CV_8UC1 of one size: a hole in a silhouette is no
+/// window to the room.
+void fill_hull(const cv::Mat& mask, cv::Mat out) {
+  std::vector<cv::Point> inside, hull;
+  cv::findNonZero(mask, inside);
+  if (inside.empty()) return;
+  cv::convexHull(inside, hull);
+  cv::fillConvexPoly(out, hull, cv::Scalar(StaticPlanes::somebody));
+}
 
 cv::Rect2f clipped(const cv::Rect2f& box, const cv::Size& image) {
   return box &
@@ -253,17 +265,18 @@ std::vector<cv::Rect2f> ObjectTracker::self_moving_boxes() const {
 cv::Mat ObjectTracker::cover(const cv::Size& view_size) const {
   cv::Mat boxes = cv::Mat::zeros(view_size, CV_8UC1), silhouettes = boxes.clone();
   bool any = false;
+  constexpr std::uint8_t in_box = 128;
   for (const Tracked& t : objects_) {
     if (!t.object.moves_by_itself) continue;
     any = true;
-    boxes(view_rect(t.object.box, view_size)) = 255;
+    boxes(view_rect(t.object.box, view_size)) = in_box;
     const cv::Point shift = view_shift(t);
     const cv::Rect to = (t.mask.area + shift) & cv::Rect({0, 0}, view_size);
     if (t.mask.empty() || to.area() == 0) continue;
-    silhouettes(to).setTo(255, t.mask.mask(to - shift - t.mask.area.tl()));
+    fill_hull(t.mask.mask(to - shift - t.mask.area.tl()), silhouettes(to));
   }
   if (!any) return {};
-  boxes |= silhouettes;
+  boxes.setTo(in_box, silhouettes);
   constexpr double most = 0.75;  // of the image
   const bool too_much = cv::countNonZero(boxes) > most * static_cast<double>(boxes.total());
   // Over a gap people have moved out of their silhouettes, and two backs make a plane.

@@ -129,6 +129,22 @@ TEST(ObjectTracker, CoversWholeBoxesAfterAGapAndElseSilhouettesWhereBoxesFillThe
   }
 }
 
+TEST(ObjectTracker, AHoleInASilhouetteIsCovered) {
+  const cv::Size view(160, 120);
+  ObjectTracker tracker({});
+  Detection two = person(20, 0.8F);
+  two.box = {0.0F, 0.0F, 640.0F, 460.0F};
+  update(tracker, 0.0, {two}, {});
+  ObjectMask mask;
+  mask.area = {60, 30, 40, 80};
+  mask.mask = cv::Mat(mask.area.size(), CV_8UC1, cv::Scalar(255));
+  mask.mask(cv::Rect(10, 20, 20, 40)) = 0;
+  mask.mean_depth = 2.0F;
+  tracker.set_mask(0, mask, true);
+  update(tracker, 1.0 / 30.0, {two}, {cv::Point2f(0.0F, 0.0F)});
+  EXPECT_EQ(tracker.cover(view).at<std::uint8_t>(70, 80), 255);
+}
+
 TEST(ObjectTracker, SeenToMoveIsAsGoodAsDetected) {
   ObjectTracker tracker({});
   update(tracker, 0.0, {person(200, 0.8F)}, {});

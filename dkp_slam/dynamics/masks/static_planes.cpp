@@ -16,6 +16,28 @@ bool alike(const Plane& a, const Plane& b, double turn, double shift) {
 
 }  // namespace
 
+bool StaticPlanes::runs_through_people(const DepthView& view, const cv::Mat& exclude,
+                                       const Plane& plane) const {
+  int inside = 0, outside = 0;
+  constexpr int stride = 6;  // about 2,000 points of a 640x480 image
+  for (int y = stride / 2; y < view.depth.rows; y += stride) {
+    for (int x = stride / 2; x < view.depth.cols; x += stride) {
+      if (!runs_along(view, plane, x, y, plane_options_)) continue;
+      (exclude.at<std::uint8_t>(y, x) == somebody ? inside : outside) += 1;
+    }
+  }
+  return inside > outside;
+}
+
+void StaticPlanes::look(const DepthView& view, const cv::Mat& exclude, double time,
+                        std::uint64_t seed) {
+  std::vector<Plane> found = fit_planes(view, exclude, plane_options_, seed);
+  if (!exclude.empty()) {
+    std::erase_if(found, [&](const Plane& p) { return runs_through_people(view, exclude, p); });
+  }
+  update(view, found, time);
+}
+
 void StaticPlanes::move(const Se3& current_from_previous) {
   const Eigen::Matrix3f rotation = current_from_previous.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = current_from_previous.translation.cast<float>();

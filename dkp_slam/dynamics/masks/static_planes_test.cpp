@@ -38,6 +38,26 @@ StaticPlanes planes_with_table() {
   return known;
 }
 
+TEST(StaticPlanes, WhatLiesInSomebodyMoreThanElsewhereIsNone) {
+  // A flat surface 1 m away fills the view; a strip of it shows beside whoever is meant to be
+  // there.
+  const Camera camera = test_camera();
+  const DepthView flat =
+      make_depth_view(cv::Mat(480, 640, CV_32FC1, cv::Scalar(1.0F)), depth_view_rays(camera));
+  cv::Mat exclude = cv::Mat::zeros(flat.depth.size(), CV_8UC1);
+  const cv::Mat most = exclude(cv::Rect(0, 0, 200, exclude.rows));
+  const auto planes_beside = [&](int value) {
+    most.setTo(value);
+    PlaneOptions options;
+    options.min_extent = options.min_width = 0.3;
+    StaticPlanes known({}, options);
+    known.look(flat, exclude, 0.0, 1);
+    return known.planes().size();
+  };
+  EXPECT_EQ(planes_beside(StaticPlanes::somebody), 0U);
+  EXPECT_EQ(planes_beside(128), 1U);  // a box, with room in it
+}
+
 TEST(StaticPlanes, GoAlongWithTheCamera) {
   StaticPlanes known = planes_with_table();
   // The camera rises by 10 cm: what was 60 cm below is 70 cm below.
