@@ -137,7 +137,7 @@ void export_files(const ExportArguments& arguments) {
   for (const fs::path& file : {arguments.out, arguments.landmarks}) {
     if (!file.empty()) check_writable(file);
   }
-  arguments.dense.check_files();
+  arguments.dense.check();
   const Kind kind = kind_of(arguments.what);
   kind == Kind::map ? export_map(arguments) : export_run(arguments, kind);
 }

@@ -188,6 +188,44 @@ TEST_F(ExportCommand, WhatTheRunWasMadeOfMustBeThereAgain) {
                  "gone.yaml: this camera of the run is not there any more");
 }
 
+TEST_F(ExportCommand, ARunWritesTheStaticWorldWhenItEnds) {
+  const WallSequence sequence(folder_ / "sequence", 30);
+  const fs::path cloud = folder_ / "c.ply", mesh = folder_ / "m.ply", grid = folder_ / "g.pgm";
+  std::vector<std::string> arguments{"run",     sequence.folder(),
+                                     "--mode",  "off",
+                                     "--out",   run(),
+                                     "--dense", cloud,
+                                     "--mesh",  mesh,
+                                     "--grid",  grid,
+                                     "--low",   "-5",
+                                     "--high",  "5",
+                                     "--voxel", "0.04"};
+  if (has_octomap()) arguments.insert(arguments.end(), {"--octomap", folder_ / "o.bt"});
+  ASSERT_EQ(call(arguments), 0) << stderr_;
+  EXPECT_THAT(stdout_, HasSubstr(" images fused at 0.04 m: "));
+  EXPECT_THAT(stderr_, HasSubstr("mode off masks nothing: people are fused, too"));
+  double sum = 0.0;
+  const auto points = vertices(cloud);
+  EXPECT_GT(points.size(), 2000U);
+  for (const auto& p : points) sum += std::abs(p.z() - WallSequence::depth);
+  EXPECT_LT(sum / double(points.size()), 0.005);
+  EXPECT_THAT(content(grid), StartsWith("P5\n"));
+  // Offline the same again, to the byte.
+  const std::string first_cloud = content(cloud), first_mesh = content(mesh);
+  ASSERT_EQ(call(arguments), 0) << stderr_;
+  EXPECT_TRUE(content(cloud) == first_cloud);
+  EXPECT_TRUE(content(mesh) == first_mesh);
+
+  EXPECT_EQ(call({"run", sequence.folder(), "--out", folder_ / "no", "--mesh", folder_ / "m.obj"}),
+            2);
+  EXPECT_THAT(stderr_, HasSubstr("must end in .ply or .glb"));
+  EXPECT_EQ(call({"run", sequence.folder(), "--out", folder_ / "no", "--dense",
+                  folder_ / "none" / "c.ply"}),
+            1);
+  EXPECT_THAT(stderr_, HasSubstr("does not exist"));
+  EXPECT_FALSE(fs::exists(folder_ / "no"));
+}
+
 TEST_F(ExportCommand, MisuseIsSaidBeforeAnythingIsDone) {
   const fs::path path = trajectory();
   expect_refused(2, {path}, "nothing to write");

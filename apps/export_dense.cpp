@@ -1,8 +1,6 @@
 #include "apps/export_dense.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <memory>
@@ -19,10 +17,7 @@
 #include "apps/progress.h"
 #include "apps/run_masks.h"
 #include "apps/source_choice.h"
-#include "dkp_slam/dense/mesh_files.h"
-#include "dkp_slam/dense/octomap/octomap_file.h"
 #include "dkp_slam/error.h"
-#include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/sensor/kinect/kinect_source.h"
 #include "dkp_slam/sensor/mask_folder.h"
 
@@ -222,53 +217,7 @@ class PosedImages {
   std::size_t unmasked_ = 0;
 };
 
-void warn_of_memory(const DenseMap& map, const FreeSpace* free) {
-  if (map.full() || (free && free->full())) {
-    spdlog::warn(
-        "the memory of {:.0f} MB is used up: a part of the static world is missing; take larger "
-        "voxels (--voxel), a shorter --range, or more --memory",
-        map.options().memory);
-  }
-}
-
-void write_files(const DenseExport& dense, const SurfaceMesh& mesh, const FreeSpace* free,
-                 const Trajectory& path) {
-  if (!dense.cloud.empty()) write_mesh_ply(dense.cloud, mesh, false);
-  if (!dense.mesh.empty()) {
-    if (dense.mesh.extension() == ".glb") {
-      write_mesh_glb(dense.mesh, mesh);
-    } else {
-      write_mesh_ply(dense.mesh, mesh, true);
-    }
-  }
-  if (!dense.grid.empty()) {
-    const LevelFrame level = find_level(mesh, path);
-    if (!level.found) {
-      spdlog::warn("no floor was seen: the grid's 0 is the lowest surface, its up the camera's");
-    }
-    write_grid(dense.grid, make_grid(mesh, *free, level, dense.band));
-  }
-  if (!dense.octomap.empty()) write_octomap(dense.octomap, mesh, *free);
-}
-
 }  // namespace
-
-void DenseExport::check_files() const {
-  const auto check = [](const fs::path& file, const char* option,
-                        const std::vector<std::string>& endings) {
-    if (file.empty()) return;
-    if (std::find(endings.begin(), endings.end(), file.extension()) == endings.end()) {
-      throw CLI::ValidationError(
-          option, fmt::format("{}: must end in {}", file.string(), fmt::join(endings, " or ")));
-    }
-    check_writable(file);
-  };
-  check(cloud, "--dense", {".ply"});
-  check(mesh, "--mesh", {".ply", ".glb"});
-  check(grid, "--grid", {".pgm"});
-  check(octomap, "--octomap", {".bt"});
-  if (!octomap.empty()) check_octomap();
-}
 
 void export_dense(const DenseExport& dense, const fs::path& run, const Trajectory& path) {
   catch_interrupts();
@@ -277,7 +226,7 @@ void export_dense(const DenseExport& dense, const fs::path& run, const Trajector
   const Camera& camera = images.camera();
   DenseMap map(camera, dense.map);
   std::unique_ptr<FreeSpace> free;
-  if (!dense.grid.empty() || !dense.octomap.empty()) {
+  if (dense.needs_free_space()) {
     constexpr double share_of_free = 0.25;
     free = std::make_unique<FreeSpace>(camera, dense.band.cell, share_of_free * dense.map.memory);
   }
@@ -286,29 +235,18 @@ void export_dense(const DenseExport& dense, const fs::path& run, const Trajector
     map.fuse(view);
     if (free) free->add(view, map.options().truncation);
   });
-  warn_of_memory(map, free.get());
   if (images.unmasked() > 0) {
     spdlog::warn("{} images without a mask were left out", images.unmasked());
   }
-  const SurfaceMesh mesh = extract_surface(map, dense.surface);
-  write_files(dense, mesh, free.get(), path);
-  std::fputs(
-      fmt::format("{} images fused at {:g} m: {} points, {} triangles; {:.0f} MB\n", used,
-                  dense.map.voxel, mesh.vertices.size(), mesh.triangles.size(), map.megabytes())
-          .c_str(),
-      stdout);
+  write_dense_files(dense, map, free.get(), path, used);
 }
 
 void add_dense_options(CLI::App& command, DenseExport& dense) {
+  add_dense_file_options(command, dense);
   const std::string group = "Static world";
   const auto add = [&](const std::string& name, auto& variable, const std::string& help) {
     return command.add_option(name, variable, help)->group(group);
   };
-  add("--dense", dense.cloud, "File for a coloured point cloud, a point a voxel (.ply)");
-  add("--mesh", dense.mesh, "File for a coloured mesh (.ply or .glb)");
-  add("--grid", dense.grid,
-      "File for a 2-D occupancy grid (.pgm; its .yaml comes beside it, for ROS's map_server)");
-  add("--octomap", dense.octomap, "File for an OctoMap octree (.bt)");
   add("--sequence", dense.sequence,
       "Folder or bag of the images; default: the one that the run was made of");
   add("--topics", dense.topics, "Of a bag, as for run");
@@ -321,26 +259,8 @@ void add_dense_options(CLI::App& command, DenseExport& dense) {
   command.add_flag("--no-masks", dense.no_masks, "Fuse all pixels, people too")
       ->group(group)
       ->excludes(masks);
-  add("--voxel", dense.map.voxel, "Metres from sample to sample")
-      ->check(CLI::Range(0.005, 0.2))
-      ->capture_default_str();
-  add("--range", dense.view.max_range, "Metres; what is farther is left out")
-      ->check(CLI::Range(0.5, 100.0))
-      ->capture_default_str();
   add("--every", dense.every, "Fuse every so many localised frames")
       ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  add("--memory", dense.map.memory, "Megabytes of voxels at most")
-      ->check(CLI::Range(1.0, 1e6))
-      ->capture_default_str();
-  add("--cell", dense.band.cell, "Metres, of grid and octree")
-      ->check(CLI::Range(0.01, 1.0))
-      ->capture_default_str();
-  add("--low", dense.band.low, "Of the grid: metres above the floor where its band begins")
-      ->check(CLI::Range(-100.0, 100.0))
-      ->capture_default_str();
-  add("--high", dense.band.high, "Of the grid: where it ends")
-      ->check(CLI::Range(-100.0, 100.0))
       ->capture_default_str();
 }
 

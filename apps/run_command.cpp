@@ -19,6 +19,7 @@
 #include "apps/preloaded_source.h"
 #include "apps/process.h"
 #include "apps/progress.h"
+#include "apps/run_dense.h"
 #include "apps/run_map.h"
 #include "apps/run_masks.h"
 #include "apps/run_options.h"
@@ -284,6 +285,9 @@ void run(RunOptions options) {
   options.camera = opened.camera_name;
   config.camera = opened.camera;
   auto detector = choose_detector(options, config);
+  options.dense.check();
+  const auto dense =
+      options.dense.any() ? std::make_unique<RunDense>(options.dense, config) : nullptr;
   RunObservers observers;
   observers.map = std::make_shared<RunMap>(options.map, options.localize, config);
   const std::string detector_name = detector ? detector->name() : "none";
@@ -317,6 +321,7 @@ void run(RunOptions options) {
   const bool with_map = observers.map->begin(config);
   Slam slam(config, std::move(detector), std::move(stored));
   observers.join(slam, with_map);
+  if (dense) dense->join(slam);
   if (view) view->join(slam);
   PlaybackOptions playback;
   playback.rate = rate_of(options, config);
@@ -344,6 +349,7 @@ void run(RunOptions options) {
   observers.path->remove();
   if (view) view->scene().finish(result.trajectory);
   std::fputs(summary_text(result, options.out).c_str(), stdout);
+  if (dense) dense->write();
   std::fflush(stdout);
   if (trace) trace->finish();
   if (view && options.view.stay) view->stay();
@@ -360,6 +366,7 @@ void add_run_command(CLI::App& program) {
   add_run_options(*command, *options);
   command->add_option("--out", options->out, "Folder for the results; made where missing")
       ->required();
+  add_dense_file_options(*command, options->dense);
   auto* view =
       command->add_flag("--view", options->view.wanted,
                         "Show the run on a web page, whose address is printed; docs/view.md");

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/config_options.h"
+#include "apps/dense_files.h"
 #include "apps/run_view.h"
 #include "dkp_slam/sensor/layout/image_folder.h"
 
@@ -34,6 +35,7 @@ struct RunOptions {
   int overlay_every = 30;         ///< frames; one picture a second
   std::filesystem::path profile;  ///< trace of all stages and threads; empty for none
   ViewOptions view;
+  DenseFiles dense;
 };
 
 /// Adds what names the source: SEQUENCE, --source and how a socket is treated.

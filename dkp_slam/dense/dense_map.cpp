@@ -66,6 +66,8 @@ struct DenseMap::Projection {
         cy(static_cast<float>(camera.cy)),
         row_time(static_cast<float>(camera.readout / camera.height)),
         middle_row(0.5F * static_cast<float>(camera.height)),
+        width(static_cast<float>(camera.width)),
+        height(static_cast<float>(camera.height)),
         truncation(static_cast<float>(truncation)),
         noise(camera.depth_noise),
         reference(camera.depth_noise.sigma(0.5)) {
@@ -89,10 +91,7 @@ struct DenseMap::Projection {
   bool pixel(const Eigen::Vector3f& p, int& u, int& v) const {
     const float inverse = 1.0F / p.z();
     const float x = fx * p.x() * inverse + cx + 0.5F, y = fy * p.y() * inverse + cy + 0.5F;
-    if (!(x >= 0.0F && y >= 0.0F && x < static_cast<float>(view.surface.cols) &&
-          y < static_cast<float>(view.surface.rows))) {
-      return false;
-    }
+    if (!(x >= 0.0F && y >= 0.0F && x < width && y < height)) return false;
     u = static_cast<int>(x);
     v = static_cast<int>(y);
     return true;
@@ -107,13 +106,13 @@ struct DenseMap::Projection {
     if (p.z() <= 2.0F * radius) return true;
     const float u = fx * p.x() / p.z() + cx, v = fy * p.y() / p.z() + cy;
     const float margin = 2.0F * std::max(fx, fy) * radius / p.z();
-    return u > -margin && v > -margin && u < static_cast<float>(view.surface.cols) + margin &&
-           v < static_cast<float>(view.surface.rows) + margin;
+    return u > -margin && v > -margin && u < width + margin && v < height + margin;
   }
 
   const StaticView& view;
   float fx, fy, cx, cy;
   float row_time, middle_row;  ///< seconds from row to row
+  float width, height;         ///< pixels
   float truncation;
   DepthNoise noise;
   double reference;
@@ -157,6 +156,29 @@ void DenseMap::fuse(const StaticView& view) {
     for (int b = blocks.start; b < blocks.end; ++b) fuse_block(to, static_cast<std::size_t>(b));
   });
 }
+
+void DenseMap::fuse(const StaticView& view, std::span<const std::size_t> blocks) {
+  const Projection to(camera_, view, options_.truncation);
+  for (const std::size_t b : blocks) fuse_block(to, b);
+}
+
+std::vector<std::size_t> DenseMap::in_view(const Se3& world_from_camera, double farthest,
+                                           std::span<const std::size_t> blocks) const {
+  StaticView from;
+  from.world_from_camera = world_from_camera;
+  const Projection to(camera_, from, options_.truncation);
+  const auto size = static_cast<float>(options_.voxel * side);
+  const float radius = 0.875F * size, reach = static_cast<float>(farthest) + to.truncation + radius;
+  std::vector<std::size_t> seen;
+  for (const std::size_t b : blocks) {
+    const Eigen::Vector3f middle =
+        to.in_camera((grid_.place(b).cast<float>().array() + 0.5F).matrix() * size);
+    if (middle.z() < reach && to.sees(middle, radius)) seen.push_back(b);
+  }
+  return seen;
+}
+
+void DenseMap::clear(std::size_t block) { grid_.block(block).fill({}); }
 
 void DenseMap::fuse_block(const Projection& to, std::size_t block) {
   const auto voxel_size = static_cast<float>(options_.voxel);

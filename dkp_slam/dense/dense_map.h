@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "dkp_slam/dense/block_grid.h"
 #include "dkp_slam/dense/depth_view.h"
@@ -36,8 +38,8 @@ struct Voxel {
 /// A truncated signed distance field of the static world, fused from depth images whose poses are
 /// known (Curless and Levoy, "A Volumetric Method for Building Complex Models from Range Images",
 /// SIGGRAPH 1996). Free space is carved: where a view looks through a voxel, what it held before
-/// loses weight. Poses are final: what was fused does not move, so that a map whose poses have
-/// changed (loops closed, maps merged) is fused anew.
+/// loses weight. What was fused does not move and cannot be taken out again, for what was carved
+/// away is forgotten: where poses have changed, blocks are cleared and fused anew (KeyframeFusion).
 ///
 /// Same views in the same order, same bytes, on any number of threads.
 class DenseMap {
@@ -50,6 +52,14 @@ class DenseMap {
   void reserve(const StaticView& view);
   /// Fuses a view where room was made.
   void fuse(const StaticView& view);
+  /// The same for some blocks alone, by the calling thread alone.
+  void fuse(const StaticView& view, std::span<const std::size_t> blocks);
+
+  /// Those of `blocks` that a camera there may change, with nothing known beyond `farthest` metres.
+  std::vector<std::size_t> in_view(const Se3& world_from_camera, double farthest,
+                                   std::span<const std::size_t> blocks) const;
+  /// Forgets what was fused into a block.
+  void clear(std::size_t block);
 
   const DenseMapOptions& options() const { return options_; }
   const BlockGrid<Voxel>& voxels() const { return grid_; }

@@ -61,8 +61,10 @@ void DepthViewer::split_depth(const RgbdFrame& frame, cv::Mat& still, cv::Mat& m
     cv::remap(frame.depth, still, map_x_, map_y_, cv::INTER_NEAREST, cv::BORDER_CONSTANT);
   }
   if (!frame.mask.empty()) {
-    cv::Mat mask = frame.mask;
-    if (!map_x_.empty()) {
+    cv::Mat mask;  // the frame's own is somebody else's
+    if (map_x_.empty()) {
+      mask = frame.mask.clone();
+    } else {
       cv::remap(frame.mask, mask, map_x_, map_y_, cv::INTER_NEAREST, cv::BORDER_CONSTANT);
     }
     still.copyTo(moving, mask);

@@ -11,7 +11,7 @@ namespace dkp_slam {
 /// `cell` metres in the world frame.
 class FreeSpace {
  public:
-  using Cells = BlockGrid<std::uint8_t>;
+  using Cells = BlockGrid<std::uint16_t>;
 
   /// `memory`: megabytes at most. Throws `Error` for a cell that is not 0.01 to 1 m.
   FreeSpace(const Camera& camera, double cell, double memory);
@@ -19,10 +19,13 @@ class FreeSpace {
   /// Marks what lies between the camera and `margin` metres before the surfaces that it sees. What
   /// masks cover says nothing.
   void add(const StaticView& view, double margin);
+  /// Takes back what `add` did with the same view and margin, to the last count unless memory had
+  /// run out or a cell had reached its 65535 views.
+  void remove(const StaticView& view, double margin);
 
-  /// Views that looked through a cell, up to 255.
+  /// Views that looked through a cell, up to 65535.
   int views(const Eigen::Vector3i& cell) const {
-    const std::uint8_t* seen = grid_.cell(cell);
+    const std::uint16_t* seen = grid_.cell(cell);
     return seen ? *seen : 0;
   }
   Eigen::Vector3i cell_of(const Eigen::Vector3d& point) const {
@@ -37,7 +40,8 @@ class FreeSpace {
   bool full() const { return full_; }
 
  private:
-  void mark(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+  void count(const StaticView& view, double margin, int step);
+  void mark(const Eigen::Vector3d& from, const Eigen::Vector3d& to, int step);
 
   Camera camera_;
   double cell_;

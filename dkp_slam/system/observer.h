@@ -46,8 +46,8 @@ class SlamObserver {
 enum class Delivery {
   /// Frames that it cannot keep up with are left out: it gets the newest. Never slows the system.
   newest,
-  /// Offline it gets every frame, and the tracker waits for an observer that is `inbox` frames
-  /// behind; for files that must be complete. Live nobody waits, and the oldest go.
+  /// Offline it gets every frame, changes of the map at fixed ones (`map_interval` is the frames'
+  /// own), and the tracker waits when it is `inbox` behind. Live nobody waits, and the oldest go.
   every,
 };
 

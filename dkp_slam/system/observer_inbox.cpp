@@ -65,18 +65,20 @@ void ObserverInbox::know(const Map& map) {
   if (options_.map) finder_.find(map);
 }
 
-void ObserverInbox::put_map(const Map& map, bool now) {
-  if (!options_.map) return;
-  const Clock::time_point moment = Clock::now();
-  if (!now && std::chrono::duration<double>(moment - map_sent_).count() < options_.map_interval) {
-    return;
-  }
+bool ObserverInbox::map_is_due(double timestamp) const {
+  if (waits_) return timestamp - map_timestamp_ >= options_.map_interval;
+  return std::chrono::duration<double>(Clock::now() - map_sent_).count() >= options_.map_interval;
+}
+
+void ObserverInbox::put_map(const Map& map, double timestamp, bool now) {
+  if (!options_.map || (!now && !map_is_due(timestamp))) return;
   {
     std::unique_lock lock(mutex_);
-    if (now) changed_.wait(lock, [&] { return !map_under_way_; });
+    if (now || waits_) changed_.wait(lock, [&] { return closing_ || !map_under_way_; });
     if (map_under_way_) return;
   }
-  map_sent_ = moment;
+  map_sent_ = Clock::now();
+  map_timestamp_ = timestamp;
   auto change = std::make_shared<MapChange>(finder_.find(map));
   if (change->empty()) return;
   {

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -36,8 +37,9 @@ class ObserverInbox {
   /// Takes the map's present state as known: the first change starts from it.
   void know(const Map& map);
   /// Sends what changed in the map, where the observer asked for it, the interval has passed and it
-  /// is done with the last change. `now` waits for the latter and sends in any case.
-  void put_map(const Map& map, bool now);
+  /// is done with the last change. An observer that the sender waits for gets it at fixed frames,
+  /// however busy it is: the interval is then between their time stamps. `now` sends in any case.
+  void put_map(const Map& map, double timestamp, bool now);
   /// Lets it have what waits (with Delivery::newest no more than the newest frame and the map's
   /// last change) and ends its thread.
   void finish();
@@ -57,6 +59,7 @@ class ObserverInbox {
   void work();
   void call(const Event& event);
   void drop_all(Kind kind);  // with the mutex held
+  bool map_is_due(double timestamp) const;
   void map_done();
 
   const std::shared_ptr<SlamObserver> observer_;
@@ -65,6 +68,7 @@ class ObserverInbox {
   const std::size_t capacity_;
   ChangeFinder finder_;  // the tracking thread's
   Clock::time_point map_sent_;
+  double map_timestamp_ = -std::numeric_limits<double>::infinity();  // of the frame it was sent at
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Item> items_;

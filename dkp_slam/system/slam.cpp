@@ -177,7 +177,7 @@ void Slam::State::publish(const std::shared_ptr<FrameSnapshot>& snapshot) {
     }
   }
   publish_state(result);
-  for (const auto& inbox : inboxes) inbox->put_map(engine.map(), false);
+  for (const auto& inbox : inboxes) inbox->put_map(engine.map(), result.timestamp, false);
 }
 
 void Slam::State::publish_state(const FrameResult& result) {
@@ -274,7 +274,8 @@ void Slam::finish(const std::atomic<bool>* stop) {
     failure = std::current_exception();
   }
   s.finished = true;
-  for (const auto& inbox : s.inboxes) inbox->put_map(s.engine.map(), true);
+  const double last = s.last_timestamp.value_or(0.0);
+  for (const auto& inbox : s.inboxes) inbox->put_map(s.engine.map(), last, true);
   for (const auto& inbox : s.inboxes) inbox->finish();
   if (failure) std::rethrow_exception(failure);
 }
