@@ -20,7 +20,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void measure(const fs::path& folder, const std::string& camera_file) {
+/// Where in the sequence it is off.
+void print_frames(const std::vector<dkp_slam::FrameResult>& frames,
+                  const std::vector<dkp_slam::testing::FrameHonesty>& honesty) {
+  fmt::print("index,error_mm,sigma_mm,sigmas_off,landmarks,people_share,since_map_seen_s\n");
+  std::size_t next = 0;
+  for (const auto& f : frames) {
+    if (next >= honesty.size() || honesty[next].index != f.index) continue;
+    const auto& h = honesty[next++];
+    fmt::print("{},{:.1f},{:.1f},{:.2f},{},{:.2f},{:.3f}\n", h.index, 1e3 * h.error, 1e3 * h.sigma,
+               h.sigmas_off, f.tracked_landmarks, f.quality.people_share, f.quality.since_map_seen);
+  }
+}
+
+void measure(const fs::path& folder, const std::string& camera_file, bool each_frame) {
   dkp_slam::SlamConfig config;
   config.camera =
       dkp_slam::load_camera(camera_file.empty() ? (folder / "camera.yaml").string() : camera_file);
@@ -35,6 +48,7 @@ void measure(const fs::path& folder, const std::string& camera_file) {
   fmt::print("| `{}` | {} of {} | {} | {:.1f} sigma | {:.1f}, {:.1f} mm | {:.1f} mm |\n",
              folder.filename().string(), h.localised, frames.size(), h.over_three_sigma, h.worst,
              1e3 * h.median_error, 1e3 * h.largest_error, 1e3 * h.median_sigma);
+  if (each_frame) print_frames(frames, h.frames);
   std::fflush(stdout);
 }
 
@@ -46,12 +60,14 @@ int main(int argc, char** argv) {
   std::string camera;
   app.add_option("SEQUENCE", folders, "Folders in TUM format with a groundtruth.txt")->required();
   app.add_option("--camera", camera, "Camera file of all of them; else each one's camera.yaml");
+  bool each_frame = false;
+  app.add_flag("--frames", each_frame, "Below each sequence a line for every localised frame");
   CLI11_PARSE(app, argc, argv);
   fmt::print(
       "| sequence | localised | over 3 sigma | worst | error, median and largest | told sigma |\n"
       "|---|---|---|---|---|---|\n");
   try {
-    for (const fs::path& folder : folders) measure(folder, camera);
+    for (const fs::path& folder : folders) measure(folder, camera, each_frame);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;

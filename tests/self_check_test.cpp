@@ -72,8 +72,10 @@ TEST_P(SelfCheckOnWalks, TheCovarianceIsHonest) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Synthetic, SelfCheckOnWalks,
+                         // In the last the map is made on somebody, who then walks away.
                          ::testing::Values(Walk{"walking_rpy", 90, 150},
-                                           Walk{"walking_halfsphere", 60, 90}),
+                                           Walk{"walking_halfsphere", 60, 90},
+                                           Walk{"covered_start", 135, 0}),
                          [](const auto& info) { return info.param.scenario; });
 
 TEST(SelfCheck, TheShareOfPeopleIsThatOfTheView) {

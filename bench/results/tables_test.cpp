@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -84,6 +86,9 @@ TEST(Timings, MediansByStageAndOfTheSumWithoutDetection) {
 }
 
 TEST(Timings, DamagedTablesAreRefused) {
+  EXPECT_TRUE(
+      std::isinf(read_timings("index,position_sigma_m\n1,inf\n").at("position_sigma_m")[0]));
+  EXPECT_THROW(read_timings("a_ms\nnan\n"), Error);
   EXPECT_THROW(read_timings(""), Error);
   EXPECT_THROW(read_timings("a_ms,b_ms\n"), Error);
   EXPECT_THROW(read_timings("a_ms,a_ms\n1,2\n"), Error);

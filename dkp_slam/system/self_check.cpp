@@ -1,13 +1,16 @@
 #include "dkp_slam/system/self_check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "dkp_slam/localization/pose_refinement.h"
+#include "dkp_slam/optimization/nearest_depth.h"
 #include "dkp_slam/optimization/pose_optimizer.h"
 
 namespace dkp_slam {
@@ -26,12 +29,83 @@ constexpr double least_way = 0.004, least_angle = 0.006;
 /// else holds the pose.
 constexpr double drift = 0.15;
 
+/// Errors that the map, lens and depth make in all parts of a view average out less where people
+/// hide a share of it; beyond this one what is left is known too little.
+constexpr double most_hidden = 0.9;
+/// Landmarks whose own pose tells something.
+constexpr std::size_t least_group = 20;
+/// A group's own pose is looked for this far from that of all, metres and radians: few landmarks in
+/// a corner of the view would go anywhere.
+constexpr double most_apart = 0.05;
+/// 99 % of the chi-square distribution of six degrees of freedom.
+constexpr double agreement_chi2 = 16.8;
+/// Groups that disagreed have to agree for so long, seconds, before that is believed: a small group
+/// agrees with anything.
+constexpr double probation = 0.5;
+
 /// A variance for the position, another for the orientation.
 Matrix6d isotropic(double position, double orientation) {
   Matrix6d covariance = Matrix6d::Zero();
   covariance.diagonal().head<3>().setConstant(position);
   covariance.diagonal().tail<3>().setConstant(orientation);
   return covariance;
+}
+
+/// What all landmarks of a view at this distance, metres, are off together.
+Matrix6d common_error(const Camera& camera, double distance) {
+  const double angle = common_pixels / camera.fx, way = angle * distance;
+  return isotropic(way * way + least_way * least_way, angle * angle + least_angle * least_angle);
+}
+
+double depth_of(const Se3& camera_from_world, const PoseObservation& observation) {
+  return (camera_from_world * observation.landmark).z();
+}
+
+/// Along the optical axis, metres.
+double mean_distance(const Se3& camera_from_world, std::span<const PoseObservation> observations) {
+  double sum = 0.0;
+  for (const PoseObservation& o : observations) sum += depth_of(camera_from_world, o);
+  return sum / static_cast<double>(observations.size());
+}
+
+/// Sorts the observations, near ones first, and returns how many are near: the split of nearness (1
+/// over depth) that leaves least variance within either group (Otsu's), none of them too small.
+std::size_t split_by_depth(const Se3& camera_from_world,
+                           std::vector<PoseObservation>& observations) {
+  const auto nearness = [&](const PoseObservation& o) {
+    return 1.0 / std::max(nearest_depth, depth_of(camera_from_world, o));
+  };
+  std::sort(observations.begin(), observations.end(),
+            [&](const auto& a, const auto& b) { return nearness(a) > nearness(b); });
+  double rest = 0.0, sum = 0.0, widest = -1.0;
+  for (const PoseObservation& o : observations) rest += nearness(o);
+  std::size_t split = least_group;
+  for (std::size_t n = 1; n + least_group <= observations.size(); ++n) {
+    sum += nearness(observations[n - 1]);
+    rest -= nearness(observations[n - 1]);
+    const auto near = static_cast<double>(n), far = static_cast<double>(observations.size() - n);
+    const double between = near * far * std::pow(sum / near - rest / far, 2);
+    if (n < least_group || between <= widest) continue;
+    widest = between;
+    split = n;
+  }
+  return split;
+}
+
+/// Where some of the landmarks take the camera to be: off the pose of all, and how sure.
+struct OwnPose {
+  Vector6d off;
+  Matrix6d covariance;
+};
+
+OwnPose own_pose(const Camera& camera, const MeasurementModel& model, const Se3& of_all,
+                 std::span<const PoseObservation> group) {
+  const std::vector<PoseObservation> observations(group.begin(), group.end());
+  const Se3 own = optimize_pose(camera, model, of_all, observations).camera_from_world;
+  const Matrix6d information = pose_information(camera, model, own, observations);
+  const Eigen::LDLT<Matrix6d> held(information + Matrix6d::Identity() / (most_apart * most_apart));
+  return {held.solve(information * (own * of_all.inverse()).log()),
+          held.solve(Matrix6d::Identity()) + common_error(camera, mean_distance(own, group))};
 }
 
 }  // namespace
@@ -57,7 +131,14 @@ PoseQuality SelfCheck::check(const Frame& frame, bool localised, int tracked,
   }
   if (localised && tracked > 0) {
     map_seen_ = frame.timestamp;
-    last_ = covariance(frame);
+    const std::vector<PoseObservation> observations = evidence(frame);
+    compare_groups(frame, observations);
+    const Doubt inherited = inherited_doubt(frame);
+    const Doubt doubt{std::max(contest_.way, inherited.way),
+                      std::max(contest_.angle, inherited.angle)};
+    doubts_.resize(static_cast<std::size_t>(map_.keyframe_ids()), doubt);
+    last_ = covariance(frame.camera_from_world, observations, quality.people_share) +
+            isotropic(doubt.way * doubt.way, doubt.angle * doubt.angle);
   }
   quality.since_map_seen = frame.timestamp - map_seen_;
   if (!localised) return quality;
@@ -66,26 +147,73 @@ PoseQuality SelfCheck::check(const Frame& frame, bool localised, int tracked,
   return quality;
 }
 
-Matrix6d SelfCheck::covariance(const Frame& frame) const {
-  std::vector<PoseObservation> observations;
-  double distance = 0.0;  // mean, along the optical axis
+/// What the frame saw of the map. Landmarks that it has just made itself agree with it anyhow.
+std::vector<PoseObservation> SelfCheck::evidence(const Frame& frame) const {
+  std::vector<PoseObservation> seen, made;
+  const int own = doubts_.size() < static_cast<std::size_t>(map_.keyframe_ids())
+                      ? frame.reference_keyframe
+                      : -1;  // the frame became no keyframe
   for (int i = 0; i < frame.features.size(); ++i) {
     const int l = frame.landmark[static_cast<std::size_t>(i)];
     if (l < 0 || !map_.has_landmark(l)) continue;
-    const Eigen::Vector3d& position = map_.landmark(l).position;
-    observations.push_back({position, observation_of(frame.features, i, map_, model_)});
-    distance += (frame.camera_from_world * position).z();
+    const Landmark& landmark = map_.landmark(l);
+    (landmark.first_keyframe == own ? made : seen)
+        .push_back({landmark.position, observation_of(frame.features, i, map_, model_)});
   }
+  return seen.empty() ? made : seen;  // the first of a map has no others
+}
+
+Matrix6d SelfCheck::covariance(const Se3& camera_from_world,
+                               const std::vector<PoseObservation>& observations,
+                               double hidden) const {
   if (observations.size() < 3) return PoseQuality::unknown();
-  distance /= static_cast<double>(observations.size());
   const Matrix6d information =
-      pose_information(map_.camera(), model_, frame.camera_from_world, observations);
-  const double angle = common_pixels / map_.camera().fx, way = angle * distance;
+      pose_information(map_.camera(), model_, camera_from_world, observations);
   const Matrix6d covariance =
       information.ldlt().solve(Matrix6d::Identity()) +
-      isotropic(way * way + least_way * least_way, angle * angle + least_angle * least_angle);
+      common_error(map_.camera(), mean_distance(camera_from_world, observations)) /
+          (1.0 - std::min(hidden, most_hidden));
   // Of landmarks on a line without depth some motions cannot be told at all.
   return covariance.allFinite() ? covariance : PoseQuality::unknown();
+}
+
+/// Near and far landmarks, each by themselves, tell where the camera is. Where these poses differ
+/// by more than both are wrong by, one of them lies on something that moves, and the pose is known
+/// no better than they agree, until they do again: the middle of two that are so far apart.
+void SelfCheck::compare_groups(const Frame& frame, std::vector<PoseObservation> observations) {
+  if (observations.size() < 2 * least_group) return;  // nothing new is known
+  const Se3& camera_from_world = frame.camera_from_world;
+  const std::size_t split = split_by_depth(camera_from_world, observations);
+  const std::span<const PoseObservation> all(observations);
+  const OwnPose near = own_pose(map_.camera(), model_, camera_from_world, all.first(split));
+  const OwnPose far = own_pose(map_.camera(), model_, camera_from_world, all.subspan(split));
+  const Vector6d apart = near.off - far.off;
+  const bool agree =
+      apart.dot((near.covariance + far.covariance).ldlt().solve(apart)) <= agreement_chi2;
+  if (agree) {
+    if (frame.timestamp - contested_ > probation) contest_ = {};
+    return;
+  }
+  contested_ = frame.timestamp;
+  // Who is off by more than was looked for has lost his way altogether.
+  const double way = std::min(0.5 * apart.head<3>().norm(), most_apart);
+  const double angle = std::min(0.5 * apart.tail<3>().norm(), most_apart);
+  contest_ = {std::max(contest_.way, way), std::max(contest_.angle, angle)};
+}
+
+/// A pose is known no better than the keyframes that made its landmarks, a third of them or more.
+SelfCheck::Doubt SelfCheck::inherited_doubt(const Frame& frame) const {
+  std::vector<Doubt> doubts;
+  for (const int l : frame.landmark) {
+    if (l < 0 || !map_.has_landmark(l)) continue;
+    const auto k = static_cast<std::size_t>(map_.landmark(l).first_keyframe);
+    if (k < doubts_.size()) doubts.push_back(doubts_[k]);  // made by others than this frame
+  }
+  if (doubts.empty()) return {};
+  const auto third = doubts.begin() + static_cast<std::ptrdiff_t>(doubts.size() / 3);
+  std::nth_element(doubts.begin(), third, doubts.end(),
+                   [](const Doubt& a, const Doubt& b) { return a.way < b.way; });
+  return *third;
 }
 
 }  // namespace dkp_slam

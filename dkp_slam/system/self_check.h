@@ -1,11 +1,12 @@
 #pragma once
 
 #include <limits>
+#include <vector>
 
 #include "dkp_slam/dynamics/frame_dynamics.h"
 #include "dkp_slam/localization/frame.h"
 #include "dkp_slam/map/map.h"
-#include "dkp_slam/optimization/observation.h"
+#include "dkp_slam/optimization/pose_optimizer.h"
 #include "dkp_slam/system/frame_result.h"
 
 namespace dkp_slam {
@@ -13,18 +14,32 @@ namespace dkp_slam {
 /// Says of frame after frame how far its pose can be trusted.
 class SelfCheck {
  public:
-  SelfCheck(const Map& map, const MeasurementModel& model) : map_(map), model_(model) {}
+  SelfCheck(const Map& map, const MeasurementModel& model)
+      : map_(map), model_(model), doubts_(static_cast<std::size_t>(map.keyframe_ids())) {}
 
   /// `frame` as the tracker left it; `tracked`: landmarks that its pose rests on.
   PoseQuality check(const Frame& frame, bool localised, int tracked, const FrameDynamics& dynamics);
 
  private:
-  Eigen::Matrix<double, 6, 6> covariance(const Frame& frame) const;
+  /// Standard deviations of something that is believed beside what the landmarks measure.
+  struct Doubt {
+    double way = 0.0, angle = 0.0;  ///< metres, radians
+  };
+
+  std::vector<PoseObservation> evidence(const Frame& frame) const;
+  Eigen::Matrix<double, 6, 6> covariance(const Se3& camera_from_world,
+                                         const std::vector<PoseObservation>& observations,
+                                         double hidden) const;
+  void compare_groups(const Frame& frame, std::vector<PoseObservation> observations);
+  Doubt inherited_doubt(const Frame& frame) const;
 
   const Map& map_;
   const MeasurementModel model_;
   double map_seen_ = -std::numeric_limits<double>::infinity();
   Eigen::Matrix<double, 6, 6> last_ = PoseQuality::unknown();  ///< where the map was last seen
+  Doubt contest_;              ///< near and far do not agree where the camera is
+  double contested_ = 0.0;     ///< timestamp of the last such frame
+  std::vector<Doubt> doubts_;  ///< by keyframe id: that it was made under
 };
 
 }  // namespace dkp_slam

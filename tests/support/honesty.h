@@ -14,6 +14,14 @@
 
 namespace dkp_slam::testing {
 
+/// One pose as told at the time.
+struct FrameHonesty {
+  int index = 0;
+  double error = 0.0;       ///< of the position, metres
+  double sigma = 0.0;       ///< told, in the worst direction, metres
+  double sigmas_off = 0.0;  ///< in position or orientation, whichever is more
+};
+
 /// What the poses as told at the time are off, and what they said they might be.
 struct Honesty {
   int localised = 0;
@@ -21,6 +29,7 @@ struct Honesty {
   double worst = 0.0;                              ///< in standard deviations
   double median_error = 0.0, largest_error = 0.0;  ///< of the position, metres
   double median_sigma = 0.0;                       ///< told, in the worst direction, metres
+  std::vector<FrameHonesty> frames;                ///< those that were localised
 };
 
 inline const StampedPose& at(const Trajectory& truth, double timestamp) {
@@ -30,16 +39,23 @@ inline const StampedPose& at(const Trajectory& truth, double timestamp) {
 }
 
 /// The frames' world laid over the true one, by their orientations (a short path's places tell
-/// little of the turn) and the middle of their places.
+/// little of the turn) and the middle of their places; each frame by how sure it says it is.
 inline Se3 truth_from_world(const std::vector<FrameResult>& localised, const Trajectory& truth) {
   Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
   Eigen::Vector3d there = Eigen::Vector3d::Zero(), here = Eigen::Vector3d::Zero();
+  double weights = 0.0;
   for (const FrameResult& f : localised) {
     const Se3& right = at(truth, f.timestamp).world_from_camera;
-    turns += (right.rotation * f.world_from_camera.rotation.conjugate()).toRotationMatrix();
-    there += right.translation / static_cast<double>(localised.size());
-    here += f.world_from_camera.translation / static_cast<double>(localised.size());
+    const Eigen::Matrix3d turn = f.quality.covariance.block<3, 3>(3, 3);
+    const double weight = std::pow(f.quality.position_sigma(), -2);
+    turns += (right.rotation * f.world_from_camera.rotation.conjugate()).toRotationMatrix() /
+             turn.trace();
+    there += weight * right.translation;
+    here += weight * f.world_from_camera.translation;
+    weights += weight;
   }
+  there /= weights;
+  here /= weights;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Quaterniond turn(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose()));
   return {turn, there - turn * here};
@@ -74,6 +90,7 @@ inline Honesty honesty_of(const std::vector<FrameResult>& frames, const Trajecto
     honesty.worst = std::max(honesty.worst, sigmas_off);
     errors.push_back(off.head<3>().norm());
     sigmas.push_back(f.quality.position_sigma());
+    honesty.frames.push_back({f.index, errors.back(), sigmas.back(), sigmas_off});
   }
   honesty.median_error = median_of(errors);
   honesty.largest_error = *std::max_element(errors.begin(), errors.end());
