@@ -45,7 +45,7 @@ TEST(StaticPlanes, WhatLiesInSomebodyMoreThanElsewhereIsNone) {
   const DepthView flat =
       make_depth_view(cv::Mat(480, 640, CV_32FC1, cv::Scalar(1.0F)), depth_view_rays(camera));
   cv::Mat exclude = cv::Mat::zeros(flat.depth.size(), CV_8UC1);
-  const cv::Mat most = exclude(cv::Rect(0, 0, 200, exclude.rows));
+  cv::Mat most = exclude(cv::Rect(0, 0, 200, exclude.rows));
   const auto planes_beside = [&](int value) {
     most.setTo(value);
     PlaneOptions options;
