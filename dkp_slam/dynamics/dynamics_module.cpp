@@ -126,14 +126,15 @@ std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
 /// Cuts the objects out, where there is anything to cut out.
 void DynamicsModule::State::cut_masks(const cv::Mat& grey, Work& work) {
   const TraceSpan span("masks");
-  cv::Mat covered = parts.objects->cover(rays.size());
+  const ObjectTracker::Cover cover = parts.objects->cover(rays.size());
   const bool worth_a_look = parts.surfaces && parts.surfaces->worth_a_look(work.motion);
-  if (covered.empty() && !worth_a_look) {
+  if (cover.hidden.empty() && !worth_a_look) {
     work.labels = cv::Mat::zeros(size, CV_8UC1);
     return;
   }
-  if (covered.empty()) covered = cv::Mat::zeros(rays.size(), CV_8UC1);
-  if (parts.planes) parts.planes->look(work.view, covered, work.frame.timestamp, work.seed);
+  if (parts.planes) {
+    parts.planes->look(work.view, cover.hidden, cover.people, work.frame.timestamp, work.seed);
+  }
   Scene scene = parts.masks->scene(
       work.view, parts.planes ? parts.planes->planes() : std::vector<Plane>(), work.seed);
   if (parts.surfaces) parts.surfaces->judge(work.points, work.motion, scene.surfaces);

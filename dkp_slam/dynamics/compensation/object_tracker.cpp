@@ -5,19 +5,16 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/dynamics/masks/static_planes.h"
-
 namespace dkp_slam {
 namespace {
 
-/// Fills the convex hull of `mask` in `out`, both CV_8UC1 of one size: a hole in a silhouette is no
-/// window to the room.
+/// Fills the convex hull of `mask` in `out`, both CV_8UC1 of one size.
 void fill_hull(const cv::Mat& mask, cv::Mat out) {
   std::vector<cv::Point> inside, hull;
   cv::findNonZero(mask, inside);
   if (inside.empty()) return;
   cv::convexHull(inside, hull);
-  cv::fillConvexPoly(out, hull, cv::Scalar(StaticPlanes::somebody));
+  cv::fillConvexPoly(out, hull, cv::Scalar(255));
 }
 
 cv::Rect2f clipped(const cv::Rect2f& box, const cv::Size& image) {
@@ -262,27 +259,29 @@ std::vector<cv::Rect2f> ObjectTracker::self_moving_boxes() const {
   return boxes;
 }
 
-cv::Mat ObjectTracker::cover(const cv::Size& view_size) const {
-  cv::Mat boxes = cv::Mat::zeros(view_size, CV_8UC1), silhouettes = boxes.clone();
+ObjectTracker::Cover ObjectTracker::cover(const cv::Size& view_size) const {
+  cv::Mat boxes = cv::Mat::zeros(view_size, CV_8UC1);
+  cv::Mat silhouettes = boxes.clone(), hulls = boxes.clone();
   bool any = false;
-  constexpr std::uint8_t in_box = 128;
   for (const Tracked& t : objects_) {
     if (!t.object.moves_by_itself) continue;
     any = true;
-    boxes(view_rect(t.object.box, view_size)) = in_box;
+    boxes(view_rect(t.object.box, view_size)) = 255;
     const cv::Point shift = view_shift(t);
     const cv::Rect to = (t.mask.area + shift) & cv::Rect({0, 0}, view_size);
     if (t.mask.empty() || to.area() == 0) continue;
-    fill_hull(t.mask.mask(to - shift - t.mask.area.tl()), silhouettes(to));
+    const cv::Mat mask = t.mask.mask(to - shift - t.mask.area.tl());
+    silhouettes(to).setTo(255, mask);
+    fill_hull(mask, hulls(to));
   }
   if (!any) return {};
-  boxes.setTo(in_box, silhouettes);
+  boxes |= silhouettes;
   constexpr double most = 0.75;  // of the image
   const bool too_much = cv::countNonZero(boxes) > most * static_cast<double>(boxes.total());
   // Over a gap people have moved out of their silhouettes, and two backs make a plane.
   constexpr double gap = 0.1;  // seconds
   const bool known = passed_ < gap && cv::countNonZero(silhouettes) > 0;
-  return too_much && known ? silhouettes : boxes;
+  return too_much && known ? Cover{silhouettes, hulls} : Cover{boxes, {}};
 }
 
 ObjectPrior ObjectTracker::prior_of(const Tracked& t) {

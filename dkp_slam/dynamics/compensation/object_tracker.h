@@ -75,10 +75,15 @@ class ObjectTracker {
   const std::vector<Tracked>& objects() const { return objects_; }
   /// Boxes of those that move by themselves.
   std::vector<cv::Rect2f> self_moving_boxes() const;
-  /// Where static planes must not be looked for, CV_8UC1 of the view's size: the boxes of what
-  /// moves by itself, or only the hulls of its earlier silhouettes moved along when the boxes leave
-  /// too little. Empty when there is nothing of the kind.
-  cv::Mat cover(const cv::Size& view_size) const;
+  /// What people hide, CV_8UC1 of the view's size; empty where there is nobody.
+  struct Cover {
+    /// Where static planes must not be looked for: the boxes of what moves by itself, or only its
+    /// earlier silhouettes moved along when the boxes leave too little.
+    cv::Mat hidden;
+    /// In the latter case the silhouettes' hulls: a hole in one is no window to the room.
+    cv::Mat people;
+  };
+  Cover cover(const cv::Size& view_size) const;
   /// What the mask cutter is to know of an object.
   static ObjectPrior prior_of(const Tracked& tracked);
   bool carries() const { return options_.compensate; }

@@ -120,7 +120,7 @@ TEST(ObjectTracker, CoversWholeBoxesAfterAGapAndElseSilhouettesWhereBoxesFillThe
     mask.mean_depth = 2.0F;
     tracker.set_mask(0, mask, true);
     update(tracker, gap, {two}, {cv::Point2f(0.0F, 0.0F)});
-    const double share = cv::countNonZero(tracker.cover(view)) / (160.0 * 120.0);
+    const double share = cv::countNonZero(tracker.cover(view).hidden) / (160.0 * 120.0);
     if (gap < 0.1) {
       EXPECT_NEAR(share, 40.0 * 80.0 / (160.0 * 120.0), 0.02);
     } else {
@@ -129,7 +129,7 @@ TEST(ObjectTracker, CoversWholeBoxesAfterAGapAndElseSilhouettesWhereBoxesFillThe
   }
 }
 
-TEST(ObjectTracker, AHoleInASilhouetteIsCovered) {
+TEST(ObjectTracker, AHoleInASilhouetteIsNoWindow) {
   const cv::Size view(160, 120);
   ObjectTracker tracker({});
   Detection two = person(20, 0.8F);
@@ -142,7 +142,8 @@ TEST(ObjectTracker, AHoleInASilhouetteIsCovered) {
   mask.mean_depth = 2.0F;
   tracker.set_mask(0, mask, true);
   update(tracker, 1.0 / 30.0, {two}, {cv::Point2f(0.0F, 0.0F)});
-  EXPECT_EQ(tracker.cover(view).at<std::uint8_t>(70, 80), 255);
+  EXPECT_EQ(tracker.cover(view).hidden.at<std::uint8_t>(70, 80), 0);
+  EXPECT_EQ(tracker.cover(view).people.at<std::uint8_t>(70, 80), 255);
 }
 
 TEST(ObjectTracker, SeenToMoveIsAsGoodAsDetected) {

@@ -16,24 +16,24 @@ bool alike(const Plane& a, const Plane& b, double turn, double shift) {
 
 }  // namespace
 
-bool StaticPlanes::runs_through_people(const DepthView& view, const cv::Mat& exclude,
+bool StaticPlanes::runs_through_people(const DepthView& view, const cv::Mat& people,
                                        const Plane& plane) const {
   int inside = 0, outside = 0;
   constexpr int stride = 6;  // about 2,000 points of a 640x480 image
   for (int y = stride / 2; y < view.depth.rows; y += stride) {
     for (int x = stride / 2; x < view.depth.cols; x += stride) {
       if (!runs_along(view, plane, x, y, plane_options_)) continue;
-      (exclude.at<std::uint8_t>(y, x) == somebody ? inside : outside) += 1;
+      (people.at<std::uint8_t>(y, x) != 0 ? inside : outside) += 1;
     }
   }
   return inside > outside;
 }
 
-void StaticPlanes::look(const DepthView& view, const cv::Mat& exclude, double time,
-                        std::uint64_t seed) {
-  std::vector<Plane> found = fit_planes(view, exclude, plane_options_, seed);
-  if (!exclude.empty()) {
-    std::erase_if(found, [&](const Plane& p) { return runs_through_people(view, exclude, p); });
+void StaticPlanes::look(const DepthView& view, const cv::Mat& hidden, const cv::Mat& people,
+                        double time, std::uint64_t seed) {
+  std::vector<Plane> found = fit_planes(view, hidden, plane_options_, seed);
+  if (!people.empty()) {
+    std::erase_if(found, [&](const Plane& p) { return runs_through_people(view, people, p); });
   }
   update(view, found, time);
 }

@@ -50,12 +50,11 @@ class StaticPlanes {
   /// Takes the planes that were found in a frame, drops those that are forgotten or not seen in the
   /// view, and adapts the others to it. `time` in seconds.
   void update(const DepthView& view, const std::vector<Plane>& found, double time);
-  /// In what `look` excludes: somebody. Any other value but 0: a box that has room in it, too.
-  static constexpr std::uint8_t somebody = 255;
-  /// Finds planes in a frame outside `exclude` (CV_8UC1, view size, may be empty), and updates. One
-  /// that lies in somebody more than elsewhere is none of the room: two backs side by side, a
-  /// monitor and an arm.
-  void look(const DepthView& view, const cv::Mat& exclude, double time, std::uint64_t seed);
+  /// Finds planes in a frame outside `hidden`, and updates. One that lies in `people` more than
+  /// elsewhere is none of the room: two backs side by side, a monitor and an arm. Both CV_8UC1 of
+  /// the view's size, or empty.
+  void look(const DepthView& view, const cv::Mat& hidden, const cv::Mat& people, double time,
+            std::uint64_t seed);
   const PlaneOptions& plane_options() const { return plane_options_; }
 
  private:
@@ -65,7 +64,7 @@ class StaticPlanes {
     bool large = false;                          ///< was seen to be too large for anybody
   };
   bool is_large(const Plane& plane) const;
-  bool runs_through_people(const DepthView& view, const cv::Mat& exclude, const Plane& plane) const;
+  bool runs_through_people(const DepthView& view, const cv::Mat& people, const Plane& plane) const;
   bool adapt(const DepthView& view, Plane& plane) const;
 
   StaticPlanesOptions options_;

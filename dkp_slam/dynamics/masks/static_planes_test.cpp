@@ -44,18 +44,17 @@ TEST(StaticPlanes, WhatLiesInSomebodyMoreThanElsewhereIsNone) {
   const Camera camera = test_camera();
   const DepthView flat =
       make_depth_view(cv::Mat(480, 640, CV_32FC1, cv::Scalar(1.0F)), depth_view_rays(camera));
-  cv::Mat exclude = cv::Mat::zeros(flat.depth.size(), CV_8UC1);
-  cv::Mat most = exclude(cv::Rect(0, 0, 200, exclude.rows));
-  const auto planes_beside = [&](int value) {
-    most.setTo(value);
+  cv::Mat most = cv::Mat::zeros(flat.depth.size(), CV_8UC1);
+  most(cv::Rect(0, 0, 200, most.rows)) = 255;
+  const auto planes_beside = [&](const cv::Mat& people) {
     PlaneOptions options;
     options.min_extent = options.min_width = 0.3;
     StaticPlanes known({}, options);
-    known.look(flat, exclude, 0.0, 1);
+    known.look(flat, most, people, 0.0, 1);
     return known.planes().size();
   };
-  EXPECT_EQ(planes_beside(StaticPlanes::somebody), 0U);
-  EXPECT_EQ(planes_beside(128), 1U);  // a box, with room in it
+  EXPECT_EQ(planes_beside(most), 0U);
+  EXPECT_EQ(planes_beside({}), 1U);  // boxes have room in them
 }
 
 TEST(StaticPlanes, GoAlongWithTheCamera) {
