@@ -38,7 +38,6 @@ class LookSchedule {
   LookOptions options_;
   std::optional<double> start_;  // seconds
   double last_look_ = 0.0;       // seconds
-  double last_seen_ = 0.0;       // seconds, of somebody
   double share_ = 1.0;           // of the image that people cover
 };
 

@@ -22,7 +22,7 @@ LiveDenseOptions checked(LiveDenseOptions options, const Camera& camera) {
         fmt::format("dense map: {} keyframes of {} pixels' width; it takes 2 and 1 at least",
                     options.keyframes, options.width));
   }
-  KeyframeFusion(kept_camera(camera, options.width), options.fusion);  // checks the rest
+  const KeyframeFusion checks_the_rest(kept_camera(camera, options.width), options.fusion);
   return options;
 }
 

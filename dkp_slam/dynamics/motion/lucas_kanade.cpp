@@ -39,10 +39,10 @@ DKP_SLAM_INLINE void to_floats(const std::uint8_t* from, float* to) {
   using Store = Baseline::InMemory;
   Bytes bytes{};
   std::memcpy(&bytes, from, lanes);
-  const auto shorts = reinterpret_cast<Shorts>(__builtin_shuffle(
-      bytes, Bytes{}, Bytes{0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23}));
-  const auto low = __builtin_shuffle(shorts, Shorts{}, Shorts{0, 8, 1, 9, 2, 10, 3, 11});
-  const auto high = __builtin_shuffle(shorts, Shorts{}, Shorts{4, 12, 5, 13, 6, 14, 7, 15});
+  const auto shorts = reinterpret_cast<Shorts>(__builtin_shufflevector(
+      bytes, Bytes{}, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23));
+  const auto low = __builtin_shufflevector(shorts, Shorts{}, 0, 8, 1, 9, 2, 10, 3, 11);
+  const auto high = __builtin_shufflevector(shorts, Shorts{}, 4, 12, 5, 13, 6, 14, 7, 15);
   *reinterpret_cast<Store*>(to) =
       __builtin_convertvector(reinterpret_cast<Ints>(low), Baseline::Register);
   *reinterpret_cast<Store*>(to + 4) =
