@@ -17,6 +17,16 @@ constexpr std::ptrdiff_t most_rows = 20'000;      // in one update
 
 float number(double value) { return std::isfinite(value) ? static_cast<float>(value) : 0.0F; }
 
+/// Where a pose stands in a row, see Scene::columns.
+constexpr std::size_t pose_column = 5;
+
+std::array<float, 7> numbers_of(const Se3& world_from_camera) {
+  const auto& t = world_from_camera.translation;
+  const auto& q = world_from_camera.rotation;
+  return {number(t.x()), number(t.y()), number(t.z()), number(q.x()),
+          number(q.y()), number(q.z()), number(q.w())};
+}
+
 }  // namespace
 
 Scene::Scene(SceneInfo info)
@@ -28,20 +38,19 @@ Scene::Scene(SceneInfo info)
       clouds_(cloud_budget) {}
 
 Scene::Row Scene::row_of(const FrameResult& r, double start) {
-  const auto& t = r.world_from_camera.translation;
-  const auto& q = r.world_from_camera.rotation;
+  const std::array<float, 7> pose = numbers_of(r.world_from_camera);
   return {number(r.index),
           number(r.timestamp - start),
           r.localised ? 1.0F : 0.0F,
           number(static_cast<int>(r.state)),
           number(r.map),
-          number(t.x()),
-          number(t.y()),
-          number(t.z()),
-          number(q.x()),
-          number(q.y()),
-          number(q.z()),
-          number(q.w()),
+          pose[0],
+          pose[1],
+          pose[2],
+          pose[3],
+          pose[4],
+          pose[5],
+          pose[6],
           number(r.features),
           number(r.removed_features),
           number(r.tracked_landmarks),
@@ -121,10 +130,8 @@ void Scene::finish(const Trajectory& path) {
         while (pose != path.end() && number(pose->timestamp - *start_) < row[1] - near) ++pose;
         if (pose == path.end()) break;
         if (std::abs(number(pose->timestamp - *start_) - row[1]) > near) continue;
-        FrameResult result;
-        result.world_from_camera = pose->world_from_camera;
-        const Row placed = row_of(result, 0.0);
-        std::copy(placed.begin() + 5, placed.begin() + 12, row.begin() + 5);
+        const std::array<float, 7> placed = numbers_of(pose->world_from_camera);
+        std::copy(placed.begin(), placed.end(), row.begin() + pose_column);
       }
     }
   }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "viewer/playback_gate.h"
+#include "viewer/routes.h"
 #include "viewer/scene.h"
 
 namespace dkp_slam::viewer {
@@ -17,8 +18,7 @@ struct ServerOptions {
 /// only while pages are open.
 class Server {
  public:
-  /// Pages at a time; one more is told so.
-  static constexpr int most_pages = 24;
+  static constexpr int most_pages = Routes::most_pages;
   /// Connections that are worked on at a time; more wait.
   static constexpr int most_threads = 72;
 

@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-std::shared_ptr<FrameSnapshot> frame(int i) {
+std::shared_ptr<FrameSnapshot> noisy_frame(int i) {
   auto snapshot = std::make_shared<FrameSnapshot>();
   snapshot->result.index = snapshot->frame.index = i;
   snapshot->result.timestamp = 0.1 * i;
@@ -77,11 +77,20 @@ TEST_F(ServerTest, ServesThePageAndAllThatItNeeds) {
     EXPECT_EQ(ask(server_.port(), file).status, 200) << file;
   EXPECT_EQ(ask(server_.port(), "/../etc/passwd").status, 404);
   EXPECT_EQ(ask(server_.port(), "/api/picture").status, 204);
-  scene_->add_frame(frame(0));
+  scene_->add_frame(noisy_frame(0));
   EXPECT_EQ(head_of(ask(server_.port(), "/api/picture").body)["frame"], 0);
   EXPECT_EQ(head_of(ask(server_.port(), "/api/update").body)["newest"], 0);
   EXPECT_EQ(ask(server_.port(), "/api/cloud?keyframe=7").status, 404);
   EXPECT_EQ(ask(server_.port(), "/api/error").status, 404);
+}
+
+TEST_F(ServerTest, ARequestForThousandsOfPartsTakesNoMemory) {
+  std::string ranges = "bytes=0-";
+  for (int i = 0; i < 2000; ++i) ranges += ",0-";
+  const Answer answer = ask(server_.port(), "/page.js", {{"Range", ranges}});
+  EXPECT_EQ(answer.status, 416);
+  EXPECT_LT(answer.body.size(), 1U << 20U);  // with all parts it would be gigabytes
+  EXPECT_EQ(ask(server_.port(), "/page.js", {{"Range", "bytes=0-9"}}).status, 416);
 }
 
 TEST_F(ServerTest, AnswersNobodyElsesPage) {
@@ -117,7 +126,7 @@ TEST_F(ServerTest, TheStreamSaysWhenThereIsSomethingNew) {
   EXPECT_THAT(page.read_until("data: "), HasSubstr("text/event-stream"));
   EXPECT_TRUE(pages_become(1));
   page.forget();
-  scene_->add_frame(frame(0));
+  scene_->add_frame(noisy_frame(0));
   EXPECT_THAT(page.read_until("data: "), HasSubstr("data: "));
   page.close();
   EXPECT_TRUE(pages_become(0));
@@ -136,24 +145,24 @@ TEST_F(ServerTest, ManyPagesAtOnceAndOneTooManyIsTold) {
   EXPECT_THAT(one_more.body, HasSubstr("no more at a time"));
   EXPECT_EQ(ask(server_.port(), "/api/update").status, 200);
   for (const auto& page : pages) page->forget();
-  scene_->add_frame(frame(0));
+  scene_->add_frame(noisy_frame(0));
   for (const auto& page : pages) EXPECT_THAT(page->read_until("data: "), HasSubstr("data: "));
 }
 
 TEST_F(ServerTest, APageThatReadsNothingHoldsNobodyUp) {
   // Asks for pictures, 200 kB each, again and again, and never reads one.
   Connection slow(server_.port(), 4096);
-  scene_->add_frame(frame(0));
+  scene_->add_frame(noisy_frame(0));
   for (int i = 0; i < 50; ++i)
     slow.send("GET /api/picture HTTP/1.1\r\nHost: " + host() + "\r\n\r\n");
   Connection stream(server_.port(), 4096);
   stream.send(request_for_stream());
-  for (int i = 1; i < 200; ++i) scene_->add_frame(frame(i));
+  for (int i = 1; i < 200; ++i) scene_->add_frame(noisy_frame(i));
   EXPECT_EQ(head_of(ask(server_.port(), "/api/update").body)["newest"], 199);
 }
 
 TEST_F(ServerTest, APageThatGoesInMidAnswerLeavesNothingBehind) {
-  scene_->add_frame(frame(0));
+  scene_->add_frame(noisy_frame(0));
   for (int i = 0; i < 20; ++i) {
     Connection page(server_.port());
     page.send(i % 2 == 0 ? request_for_stream()
