@@ -1,18 +1,16 @@
 // What a frame's result says of itself, against the truth.
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <ostream>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "tests/support/changed_source.h"
 #include "tests/support/exact_boxes.h"
 #include "tests/support/honesty.h"
 #include "tests/support/recording.h"
@@ -21,30 +19,11 @@
 namespace dkp_slam {
 namespace {
 
+using testing::ChangedSource;
 using testing::ExactBoxes;
 using testing::Honesty;
 using testing::Outcome;
 using testing::Recording;
-
-/// Plays frames as something makes of them what else the camera might have seen.
-class ChangedSource : public RgbdSource {
- public:
-  using Change = std::function<void(RgbdFrame&)>;
-  ChangedSource(std::unique_ptr<RgbdSource> source, Change change)
-      : source_(std::move(source)), change_(std::move(change)) {}
-  std::string description() const override { return "changed"; }
-  std::optional<std::size_t> size() const override { return source_->size(); }
-  std::size_t skipped() const override { return 0; }
-  std::optional<RgbdFrame> read() override {
-    auto frame = source_->read();
-    if (frame) change_(*frame);
-    return frame;
-  }
-
- private:
-  const std::unique_ptr<RgbdSource> source_;
-  const Change change_;
-};
 
 Outcome run_changed(const Recording& room, ChangedSource::Change change) {
   return testing::run(std::make_unique<ChangedSource>(room.play(), std::move(change)), nullptr,
@@ -76,6 +55,31 @@ INSTANTIATE_TEST_SUITE_P(Synthetic, SelfCheckOnWalks,
                          ::testing::Values(Walk{"walking_rpy", 90, 150},
                                            Walk{"walking_halfsphere", 60, 90},
                                            Walk{"covered_start", 135, 0}),
+                         [](const auto& info) { return info.param.scenario; });
+
+class GeneratedScenario : public ::testing::TestWithParam<Walk> {};
+
+TEST_P(GeneratedScenario, NoFrameIsCalledLocalisedThatIsFarOff) {
+  const Recording room(GetParam().scenario, GetParam().frames, GetParam().first_frame, 2);
+  const Outcome outcome = testing::run(room.play(), testing::motion_detector(room.camera),
+                                       room.camera, DynamicsMode::dkp_plus);
+  for (const FrameResult& f : outcome.frames) {
+    SCOPED_TRACE(f.index);
+    EXPECT_TRUE(!f.localised || f.map == 0);  // one map, whose errors are laid over the truth below
+    // Who is carried by the measured motion says so at once.
+    const bool by_motion = f.localised && f.tracked_landmarks == 0;
+    EXPECT_EQ(by_motion, f.localised && f.quality.since_map_seen > 0.0);
+    EXPECT_TRUE(!by_motion || f.quality.since_map_seen <= 1.0);
+  }
+  EXPECT_LT(testing::honesty_of(outcome.frames, room.truth).largest_error, 0.2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Synthetic, GeneratedScenario,
+                         // Five people; somebody fills the view; a chair is pushed; the lamps go
+                         // off and on; frames are missing.
+                         ::testing::Values(Walk{"crowd", 45, 90}, Walk{"close_up", 45, 275},
+                                           Walk{"moved_furniture", 45, 245},
+                                           Walk{"lights", 65, 110}, Walk{"dropped_frames", 60, 60}),
                          [](const auto& info) { return info.param.scenario; });
 
 TEST(SelfCheck, TheShareOfPeopleIsThatOfTheView) {
