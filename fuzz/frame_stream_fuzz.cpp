@@ -1,5 +1,6 @@
 // Frame streams, as a driver writes them into a pipe.
 #include <cmath>
+#include <limits>
 
 #include <unistd.h>
 

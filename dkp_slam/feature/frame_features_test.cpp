@@ -1,5 +1,6 @@
 #include "dkp_slam/feature/frame_features.h"
 
+#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 #include "dkp_slam/map_file/map_writer.h"
 
+#include <algorithm>
 #include <fstream>
 #include <string>
 

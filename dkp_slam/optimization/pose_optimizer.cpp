@@ -1,6 +1,7 @@
 #include "dkp_slam/optimization/pose_optimizer.h"
 
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 

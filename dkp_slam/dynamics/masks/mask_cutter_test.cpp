@@ -1,5 +1,7 @@
 #include "dkp_slam/dynamics/masks/mask_cutter.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace dkp_slam {

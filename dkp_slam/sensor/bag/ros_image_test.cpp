@@ -1,6 +1,7 @@
 #include "dkp_slam/sensor/bag/ros_image.h"
 
 #include <cstring>
+#include <limits>
 #include <string>
 #include <vector>
 
