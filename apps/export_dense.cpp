@@ -1,7 +1,6 @@
 #include "apps/export_dense.h"
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -10,12 +9,12 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <nlohmann/json.hpp>
 
 #include "apps/camera_choice.h"
 #include "apps/frame_rate_option.h"
 #include "apps/progress.h"
 #include "apps/run_masks.h"
+#include "apps/run_summary.h"
 #include "apps/source_choice.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/sensor/kinect/kinect_source.h"
@@ -40,20 +39,6 @@ struct Images {
   bool masks_by_time = false;
 };
 
-/// What a run's summary.json says of its input, null where it says nothing.
-nlohmann::json options_of_run(const fs::path& run) {
-  if (run.empty()) return {};
-  std::ifstream file(run / "summary.json");
-  const auto json = nlohmann::json::parse(file, nullptr, false);
-  return json.is_object() && json.contains("options") ? json.at("options") : nlohmann::json();
-}
-
-std::string text_of(const nlohmann::json& options, const char* key) {
-  return options.is_object() && options.contains(key) && options.at(key).is_string()
-             ? options.at(key).get<std::string>()
-             : "";
-}
-
 /// The masks of the run, or what the user gave. Nobody is to fuse people without saying so.
 void choose_masks(const DenseExport& dense, const fs::path& run, Images& images) {
   if (dense.no_masks) return;
@@ -76,14 +61,13 @@ void choose_source(const DenseExport& dense, const fs::path& run, Images& images
   choice.frame_rate = dense.frame_rate;
   choice.name = dense.sequence.string();
   if (!choice.name.empty()) return;
-  const nlohmann::json options = options_of_run(run);
-  choice.name = text_of(options, "sequence");
-  if (choice.topics.empty()) choice.topics = text_of(options, "topics");
-  if (options.is_object() && options.value("frame_rate", nlohmann::json()).is_number()) {
-    choice.frame_rate = options.at("frame_rate").get<double>();
-  }
+  if (run.empty()) return;
+  const RunInput input = read_run_input(run);
+  choice.name = input.sequence;
+  if (choice.topics.empty()) choice.topics = input.topics;
+  if (input.frame_rate) choice.frame_rate = *input.frame_rate;
   if (!choice.camera.empty()) return;
-  images.camera = text_of(options, "camera");
+  images.camera = input.camera;
   // One that is no file came with the images, and should do so again.
   if (fs::is_regular_file(images.camera)) choice.camera = images.camera;
 }

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <ctime>
 #include <exception>
-#include <fstream>
 #include <mutex>
 #include <numbers>
 #include <thread>
@@ -12,9 +11,9 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
-#include <nlohmann/json.hpp>
 
 #include "apps/bench/output.h"
+#include "apps/run_summary.h"
 #include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
@@ -87,20 +86,18 @@ void set_step_errors(RunRecord& record, const Trajectory& truth, const Trajector
 
 /// Figures from what the run left in its folder.
 void read_output(const BenchJob& job, const fs::path& out, RunRecord& record) {
-  std::ifstream in(out / "summary.json");
-  const nlohmann::json summary = nlohmann::json::parse(in);
+  const RunSummary summary = read_run_summary(out);
   // Frames whose images could not be read are lost to the user too.
-  record.frames =
-      summary.at("frames").get<std::size_t>() + summary.at("skipped_frames").get<std::size_t>();
-  record.features = summary.at("features");
-  record.removed = summary.at("features_removed");
-  record.keyframes = summary.at("keyframes");
-  record.landmarks = summary.at("landmarks");
-  record.loops_closed = summary.at("loops_closed");
-  record.maps_joined = summary.at("maps_joined");
-  record.maps = summary.at("maps").size();
-  record.peak_memory_mb = summary.at("peak_memory_mb");
-  record.stage_ms = summary.at("median_ms").get<std::map<std::string, double>>();
+  record.frames = summary.frames + summary.skipped_frames;
+  record.features = summary.features;
+  record.removed = summary.features_removed;
+  record.keyframes = summary.keyframes;
+  record.landmarks = summary.landmarks;
+  record.loops_closed = summary.loops_closed;
+  record.maps_joined = summary.maps_joined;
+  record.maps = summary.maps;
+  record.peak_memory_mb = summary.peak_memory_mb;
+  record.stage_ms = summary.median_ms;
   const Trajectory truth = read_trajectory(job.sequence.folder / "groundtruth.txt");
   const Trajectory estimate = read_trajectory(out / "trajectory.txt");
   record.lost = record.frames - std::min(record.frames, estimate.size());

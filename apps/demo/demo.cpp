@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <nlohmann/json.hpp>
 
 #include "apps/progress.h"
+#include "apps/run_summary.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/child_process.h"
 #include "dkp_slam/evaluation/measure/machine.h"
@@ -104,16 +104,15 @@ void make_sequence(const DemoOptions& options, const fs::path& folder) {
 
 /// What a run left in its folder.
 void read_run(const fs::path& folder, const Trajectory& truth, DemoRun& run) {
-  std::ifstream in(folder / "summary.json");
-  const nlohmann::json summary = nlohmann::json::parse(in);
-  run.frames = summary.at("frames");
+  const RunSummary summary = read_run_summary(folder);
+  run.frames = summary.frames;
   run.path.estimate = read_trajectory(folder / "trajectory.txt");
   run.lost = run.frames - std::min(run.frames, run.path.estimate.size());
   run.path.error = absolute_error(truth, run.path.estimate);
-  const double features = std::max(1.0, summary.at("features").get<double>());
-  run.removed_share = summary.at("features_removed").get<double>() / features;
-  run.frame_ms = summary.at("median_ms").at("frame");
-  run.detector = summary.at("detector");
+  run.removed_share = static_cast<double>(summary.features_removed) /
+                      std::max(1.0, static_cast<double>(summary.features));
+  run.frame_ms = summary.median_ms.at("frame");
+  run.detector = summary.detector;
   std::ifstream csv(folder / "timings.csv");
   std::ostringstream text;
   text << csv.rdbuf();
@@ -204,9 +203,7 @@ std::vector<DemoFrame> choose_frames(const DemoRun& off, const DemoRun& best) {
 
 /// File name of the weights that a run used; empty when it was another detector.
 std::string model_of(const fs::path& folder) {
-  std::ifstream in(folder / "summary.json");
-  const nlohmann::json summary = nlohmann::json::parse(in);
-  return fs::path(summary.at("options").at("model").get<std::string>()).filename();
+  return fs::path(read_run_summary(folder).input.model).filename();
 }
 
 }  // namespace
