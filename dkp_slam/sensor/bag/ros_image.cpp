@@ -47,7 +47,8 @@ constexpr ColourEncoding colour_encodings[] = {
 cv::Mat pixels_of(const RosImage& image, int type) {
   const std::uint64_t row = static_cast<std::uint64_t>(image.width) * CV_ELEM_SIZE(type);
   const std::uint64_t pixels = static_cast<std::uint64_t>(image.width) * image.height;
-  if (pixels == 0 || pixels > most_pixels || image.step < row ||
+  const bool whole_numbers = image.step % CV_ELEM_SIZE1(type) == 0;
+  if (pixels == 0 || pixels > most_pixels || image.step < row || !whole_numbers ||
       image.data.size() < static_cast<std::uint64_t>(image.step) * image.height) {
     throw Error(fmt::format("{} bytes are no image of {} x {} pixels in {}, {} bytes a row",
                             image.data.size(), image.width, image.height, image.encoding,

@@ -155,6 +155,14 @@ RosCameraInfo calibrated() {
   return info;
 }
 
+TEST(RosImage, RowsAreAsFarApartAsWholeNumbers) {
+  const Bytes bytes(20);
+  for (const char* encoding : {"16UC1", "32FC1"}) {
+    const RosImage image{encoding, 2, 2, 9, false, false, bytes};
+    EXPECT_THAT([&] { depth_of(image, 1000.0); }, ThrowsMessage<Error>(HasSubstr("9 bytes a row")));
+  }
+}
+
 TEST(RosCameraInfo, MakesTheCamera) {
   const Camera raw = camera_of(calibrated(), false);
   EXPECT_EQ(raw.width, 640);
