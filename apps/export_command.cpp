@@ -19,6 +19,7 @@
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/path_formats.h"
 #include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/map_file/landmark_cloud.h"
 #include "dkp_slam/map_file/map_file.h"
 
 namespace dkp_slam::apps {

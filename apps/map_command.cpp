@@ -15,10 +15,10 @@
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/json_text.h"
-#include "dkp_slam/loop/map_joiner.h"
+#include "dkp_slam/loop/map_merger.h"
 #include "dkp_slam/map/map_snapshot.h"
+#include "dkp_slam/map_file/landmark_cloud.h"
 #include "dkp_slam/map_file/map_file.h"
-#include "dkp_slam/mapping/full_adjustment.h"
 
 namespace dkp_slam::apps {
 namespace fs = std::filesystem;
@@ -57,34 +57,20 @@ void export_files(const MapArguments& arguments) {
   print(fmt::format("in {}: {}\n", arguments.out.string(), fmt::join(names, ", ")));
 }
 
-/// Joins those of the maps that show the same place.
-std::vector<JoinedMaps> join_what_meets(Map& map) {
-  const MeasurementModel model;
-  constexpr int iterations = 20;
-  PlaceIndex places;
-  for (int which = 0; which < map.maps(); ++which) {
-    for (const int k : map.keyframes_in(which)) places.add_keyframe(map, k);
-  }
-  const std::vector<JoinedMaps> joined = join_maps(map, places, model);
-  for (const JoinedMaps& j : joined) adjust_map(map, model, j.kept, iterations);
-  return joined;
-}
-
 void merge(const MapArguments& arguments) {
   if (fs::exists(arguments.out)) {
     throw Error(fmt::format("{}: is there already; choose another --out", arguments.out.string()));
   }
   const StoredMap a = read_map(arguments.file), b = read_map(arguments.other);
   check_fits(b, a.map.camera(), a.map.level_scale(), a.map.levels());
-  Map both(merged(parts_of(a.map), parts_of(b.map)));
-  const std::vector<JoinedMaps> joined = join_what_meets(both);
-  save_map(arguments.out, both);
+  const MergedMap both = merge_maps(parts_of(a.map), parts_of(b.map));
+  save_map(arguments.out, both.map);
   print(printable(map_text(read_map(arguments.out))));
-  for (const JoinedMaps& j : joined) {
+  for (const JoinedMaps& j : both.joined) {
     print(fmt::format("maps {} and {} show the same place ({} keyframes agree): joined in map {}\n",
                       j.kept, j.moved, j.keyframes, j.kept));
   }
-  if (joined.empty()) {
+  if (both.joined.empty()) {
     print(
         fmt::format("maps of {} and {} lie side by side, each in its own world frame: no place "
                     "was found that both show\n",

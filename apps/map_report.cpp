@@ -1,21 +1,14 @@
 #include "apps/map_report.h"
 
 #include <algorithm>
-#include <iterator>
 #include <map>
 
 #include <fmt/format.h>
 
+#include "dkp_slam/map_file/landmark_cloud.h"
 #include "dkp_slam/map_file/map_rows.h"
 
 namespace dkp_slam::apps {
-namespace {
-
-int map_of(const Map& map, int landmark) {
-  return map.keyframe(map.landmark(landmark).sightings.front().keyframe).map;
-}
-
-}  // namespace
 
 std::vector<MapSummary> summaries_of(const Map& map) {
   std::map<int, MapSummary> by_id;
@@ -30,7 +23,7 @@ std::vector<MapSummary> summaries_of(const Map& map) {
     summary.first_timestamp = std::min(summary.first_timestamp, time);
     summary.last_timestamp = std::max(summary.last_timestamp, time);
   }
-  for (const int l : map.landmarks()) ++by_id[map_of(map, l)].landmarks;
+  for (const int l : map.landmarks()) ++by_id[map_of_landmark(map, l)].landmarks;
   std::vector<MapSummary> all;
   for (const auto& [id, summary] : by_id) all.push_back(summary);
   return all;
@@ -77,19 +70,6 @@ nlohmann::ordered_json map_json(const StoredMap& stored) {
                             {"last_timestamp", m.last_timestamp}});
   }
   return json;
-}
-
-std::string landmarks_ply(const Map& map) {
-  std::string text = fmt::format(
-      "ply\nformat ascii 1.0\ncomment metres, world frame of each map\nelement vertex {}\n"
-      "property float x\nproperty float y\nproperty float z\nproperty int map\nend_header\n",
-      map.live_landmarks());
-  for (const int l : map.landmarks()) {
-    const Eigen::Vector3d& p = map.landmark(l).position;
-    fmt::format_to(std::back_inserter(text), "{:.6f} {:.6f} {:.6f} {}\n", p.x(), p.y(), p.z(),
-                   map_of(map, l));
-  }
-  return text;
 }
 
 Trajectory keyframes_of(const Map& map, int id) {

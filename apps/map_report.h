@@ -25,10 +25,6 @@ std::string map_text(const StoredMap& stored);
 /// The same for programs.
 nlohmann::ordered_json map_json(const StoredMap& stored);
 
-/// All landmarks as a point cloud, ASCII PLY: x, y, z in metres in the world frame of their map,
-/// and the map's id.
-std::string landmarks_ply(const Map& map);
-
 /// Keyframes of one map by their time stamps, of equal ones the earlier keyframe first.
 Trajectory keyframes_of(const Map& map, int id);
 

@@ -225,7 +225,11 @@ class RelativeError:
     def samples(self) -> npt.NDArray[np.float64]: ...
 
 def read_trajectory(file: _Path) -> Trajectory: ...
-def write_trajectory(file: _Path, trajectory: _Trajectory) -> None: ...
+def write_trajectory(
+    file: _Path,
+    trajectory: _Trajectory,
+    format: Literal["tum", "kitti", "euroc", "ply", "gltf"] | None = None,
+) -> None: ...
 def ate(
     truth: _Trajectory,
     estimate: _Trajectory,
@@ -248,6 +252,7 @@ class Map:
     @staticmethod
     def load(file: _Path) -> Map: ...
     def save(self, file: _Path) -> None: ...
+    def save_landmarks(self, file: _Path) -> None: ...
     @property
     def camera(self) -> Camera: ...
     @property
@@ -263,6 +268,90 @@ class Map:
     @property
     def keyframe_ids(self) -> npt.NDArray[np.int64]: ...
     def keyframes(self, map: int | None = None) -> Trajectory: ...
+
+class _Joined(TypedDict):
+    kept: int
+    moved: int
+    keyframes: int
+
+def merge_maps(a: Map, b: Map) -> tuple[Map, list[_Joined]]: ...
+
+class Surface:
+    @property
+    def points(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def normals(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def colours(self) -> npt.NDArray[np.uint8]: ...
+    @property
+    def triangles(self) -> npt.NDArray[np.int32]: ...
+    def save_cloud(self, file: _Path) -> None: ...
+    def save_mesh(self, file: _Path) -> None: ...
+    def __len__(self) -> int: ...
+
+class OccupancyGrid:
+    @property
+    def cells(self) -> npt.NDArray[np.uint8]: ...
+    @property
+    def resolution(self) -> float: ...
+    @property
+    def origin(self) -> tuple[float, float]: ...
+    @property
+    def level_from_world(self) -> npt.NDArray[np.float64]: ...
+    def save(self, file: _Path) -> None: ...
+
+class _Dense:
+    def surface(self, map: int | None = None) -> Surface: ...
+    def grid(
+        self, low: float = 0.1, high: float = 1.8, map: int | None = None
+    ) -> OccupancyGrid: ...
+    def save_octomap(self, file: _Path, map: int | None = None) -> None: ...
+
+_Depth = Union[npt.NDArray[np.float32], npt.NDArray[np.uint16]]
+_Mask = Union[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]
+
+class DenseMap(_Dense):
+    def __init__(
+        self,
+        camera: Camera,
+        *,
+        voxel: float = 0.02,
+        range: float = 5.0,
+        cell: float = 0.05,
+        memory: float = 2000.0,
+    ) -> None: ...
+    def fuse(
+        self,
+        rgb: npt.NDArray[np.uint8],
+        depth: _Depth,
+        pose: npt.ArrayLike,
+        mask: _Mask | None = None,
+        *,
+        order: Literal["rgb", "bgr"] = "rgb",
+        depth_scale: float | None = None,
+    ) -> None: ...
+    def fuse_frame(
+        self, frame: Frame, pose: npt.ArrayLike, mask: _Mask | None = None
+    ) -> None: ...
+    def reserve(
+        self,
+        rgb: npt.NDArray[np.uint8],
+        depth: _Depth,
+        pose: npt.ArrayLike,
+        mask: _Mask | None = None,
+        *,
+        order: Literal["rgb", "bgr"] = "rgb",
+        depth_scale: float | None = None,
+    ) -> None: ...
+    def reserve_frame(
+        self, frame: Frame, pose: npt.ArrayLike, mask: _Mask | None = None
+    ) -> None: ...
+    def __len__(self) -> int: ...
+
+class LiveDenseMap(_Dense):
+    @property
+    def version(self) -> int: ...
+    def finish(self) -> None: ...
 
 class Result:
     @property
@@ -319,6 +408,8 @@ class Counters:
     def dropped(self) -> int: ...
     @property
     def detector_failures(self) -> int: ...
+    @property
+    def observer_exceptions(self) -> int: ...
 
 class _Loop(TypedDict):
     keyframe: int
@@ -326,6 +417,28 @@ class _Loop(TypedDict):
     matches: int
     moved: float
     joined_maps: bool
+
+class _Keyframe(TypedDict):
+    id: int
+    map: int
+    frame_index: int
+    timestamp: float
+    pose: npt.NDArray[np.float64]
+    landmarks: int
+
+class _MapChange(TypedDict):
+    keyframe_ids: npt.NDArray[np.int64]
+    keyframe_maps: npt.NDArray[np.int64]
+    keyframe_poses: npt.NDArray[np.float64]
+    removed_keyframes: npt.NDArray[np.int64]
+    landmark_ids: npt.NDArray[np.int64]
+    landmarks: npt.NDArray[np.float64]
+    removed_landmarks: npt.NDArray[np.int64]
+
+class _TrackingChange(TypedDict):
+    frame_index: int
+    timestamp: float
+    lost_for: float
 
 class Slam:
     def __init__(
@@ -354,6 +467,26 @@ class Slam:
         copy: bool = False,
     ) -> None: ...
     def feed_frame(self, frame: Frame) -> None: ...
+    def observe(
+        self,
+        *,
+        keyframe: Callable[[_Keyframe], object] | None = None,
+        map: Callable[[_MapChange], object] | None = None,
+        loop: Callable[[_Loop], object] | None = None,
+        merged: Callable[[_Loop], object] | None = None,
+        lost: Callable[[_TrackingChange], object] | None = None,
+        found: Callable[[_TrackingChange], object] | None = None,
+        map_interval: float = 0.5,
+    ) -> None: ...
+    def fuse_dense(
+        self,
+        *,
+        voxel: float = 0.02,
+        range: float = 5.0,
+        cell: float = 0.05,
+        memory: float = 2000.0,
+        keyframes: int = 400,
+    ) -> LiveDenseMap: ...
     def poll(self) -> Result | None: ...
     def wait(self, timeout: float | None = None) -> Result | None: ...
     def results(self) -> list[Result]: ...

@@ -1,5 +1,8 @@
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -7,6 +10,7 @@
 
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/evaluation/relative_error.h"
+#include "dkp_slam/export/path_formats.h"
 #include "dkp_slam/export/trajectory.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
@@ -66,6 +70,20 @@ py::array_t<double> samples(const RelativeError& e) {
   return out;
 }
 
+/// By the file's ending where no name is given; whatever is no other is TUM.
+PathFormat format_of(const std::optional<std::string>& name, const fs::path& file) {
+  const std::string ending = file.extension();
+  std::vector<std::string> names;
+  for (const PathFormatInfo& f : path_formats()) {
+    const bool told =
+        name ? *name == f.name : !ending.empty() && std::string_view(f.ending).ends_with(ending);
+    if (told) return f.format;
+    names.emplace_back(f.name);
+  }
+  if (!name) return PathFormat::tum;
+  value_error(fmt::format("format is '{}'; it must be one of {}", *name, fmt::join(names, ", ")));
+}
+
 void bind_statistics(py::module_& module) {
   py::class_<ErrorStatistics>(module, "ErrorStatistics",
                               "The benchmark's figures of a set of errors, in their unit.")
@@ -123,13 +141,17 @@ void bind_evaluation(py::module_& module) {
 Raises Error, which names file and line.)");
   module.def(
       "write_trajectory",
-      [](const fs::path& file, const py::object& trajectory) {
-        write_trajectory(file, trajectory_of("trajectory", trajectory));
+      [](const fs::path& file, const py::object& trajectory,
+         const std::optional<std::string>& format) {
+        write_path(format_of(format, file), file, trajectory_of("trajectory", trajectory));
       },
-      py::arg("file"), py::arg("trajectory"),
-      R"(Writes a trajectory in the same format, a whole file or none.
+      py::arg("file"), py::arg("trajectory"), py::arg("format") = py::none(),
+      R"(Writes a trajectory, a whole file or none.
 
-Raises Error where the file cannot be written.)");
+format: "tum"; "kitti" (the 3 x 4 matrix of a pose a line); "euroc" (CSV: nanoseconds, position,
+quaternion with w first); "ply" (positions, and edges between them); "gltf" (a line strip, turned
+to y up). None: by the ending .csv, .ply or .gltf, else tum. Raises ValueError for another name,
+Error for a trajectory without a pose and where the file cannot be written.)");
   module.def("ate", &ate, py::arg("truth"), py::arg("estimate"), py::kw_only(),
              py::arg("max_difference") = 0.02, py::arg("offset") = 0.0,
              R"(Absolute trajectory error, as the TUM benchmark's evaluate_ate.py has it.

@@ -3,12 +3,19 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "dkp_slam/error.h"
+#include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/loop/map_merger.h"
+#include "dkp_slam/map/map_snapshot.h"
+#include "dkp_slam/map_file/landmark_cloud.h"
 #include "dkp_slam/map_file/map_file.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
@@ -25,16 +32,42 @@ MapObject load(const fs::path& file) {
 
 void save(const MapObject& self, const fs::path& file) { save_map(file, *self.map); }
 
+void save_landmarks(const MapObject& self, const fs::path& file) {
+  if (self.map->live_landmarks() == 0) {
+    throw Error("the map holds no landmark; there is nothing to be written");
+  }
+  write_file_atomically(file, landmarks_ply(*self.map));
+}
+
+std::pair<MapObject, py::list> merge(const MapObject& a, const MapObject& b) {
+  std::optional<std::string> difference = difference_of(a.map->camera(), b.map->camera());
+  if (!difference &&
+      (a.map->level_scale() != b.map->level_scale() || a.map->levels() != b.map->levels())) {
+    difference = fmt::format("{} pyramid levels there, {} here", b.map->levels(), a.map->levels());
+  }
+  if (difference) value_error("the maps were made with different cameras: " + *difference);
+  MapParts parts_a = parts_of(*a.map), parts_b = parts_of(*b.map);
+  MergedMap both = [&] {
+    const py::gil_scoped_release release;
+    return merge_maps(std::move(parts_a), std::move(parts_b));
+  }();
+  py::list joined;
+  for (const JoinedMaps& j : both.joined) {
+    py::dict pair;
+    pair["kept"] = j.kept;
+    pair["moved"] = j.moved;
+    pair["keyframes"] = j.keyframes;
+    joined.append(pair);
+  }
+  return {MapObject{std::make_shared<const Map>(std::move(both.map))}, joined};
+}
+
 std::vector<int> live_keyframes(const Map& map) {
   std::vector<int> ids;
   for (int k = 0; k < map.keyframe_ids(); ++k) {
     if (!map.keyframe(k).removed) ids.push_back(k);
   }
   return ids;
-}
-
-int map_of_landmark(const Map& map, int landmark) {
-  return map.keyframe(map.landmark(landmark).sightings.front().keyframe).map;
 }
 
 /// One number each.
@@ -97,6 +130,10 @@ It may hold several maps that never met, each in its own world frame. All arrays
                   "Reads a map file, whole. Raises Error where it is none or damaged.")
       .def("save", &save, py::arg("file"),
            "Makes a new map file. Raises Error where a file of that name is there already.")
+      .def("save_landmarks", &save_landmarks, py::arg("file"),
+           R"(Writes the landmarks as a point cloud (PLY, with the map of each).
+
+Raises Error for a map without any, and where the file cannot be written.)")
       .def_property_readonly("camera", [](const MapObject& self) { return self.map->camera(); })
       .def_property_readonly("maps", &maps, "Ids of the maps in it.")
       .def_property_readonly("landmarks", &landmarks,
@@ -136,6 +173,12 @@ Raises ValueError for a map that there is not.)")
         return fmt::format("<dkp_slam.Map {} keyframes, {} landmarks>", self.map->live_keyframes(),
                            self.map->live_landmarks());
       });
+  module.def("merge_maps", &merge, py::arg("a"), py::arg("b"),
+             R"(Both maps in a new one, and which of its maps were joined, as a list of dicts.
+
+Maps that show the same place are joined (kept, moved: their numbers; keyframes: that agreed) and
+adjusted; the others lie side by side, each in its own world frame. Raises ValueError for maps of
+different cameras.)");
 }
 
 }  // namespace dkp_slam::python

@@ -6,6 +6,7 @@
 #include "dkp_slam/system/scaled_config.h"
 #include "python/src/bindings.h"
 #include "python/src/config_object.h"
+#include "python/src/dense_object.h"
 #include "python/src/frame_input.h"
 #include "python/src/frames.h"
 #include "python/src/mailbox.h"
@@ -84,16 +85,28 @@ py::list trajectories(const Session& self) {
 
 py::list loops(const Session& self) {
   py::list out;
-  for (const ClosedLoop& l : self.finished_slam()->loops()) {
-    py::dict loop;
-    loop["keyframe"] = l.keyframe;
-    loop["old_keyframe"] = l.old_keyframe;
-    loop["matches"] = l.matches;
-    loop["moved"] = l.moved;
-    loop["joined_maps"] = l.joined_maps;
-    out.append(loop);
-  }
+  for (const ClosedLoop& l : self.finished_slam()->loops()) out.append(loop_dict(l));
   return out;
+}
+
+void observe(Session& self, py::object keyframe, py::object map, py::object loop, py::object merged,
+             py::object lost, py::object found, double map_interval) {
+  if (!(map_interval >= 0.0)) {
+    value_error(fmt::format("map_interval is {}; it must be 0 or more seconds", map_interval));
+  }
+  self.observe({std::move(keyframe), std::move(map), std::move(loop), std::move(merged),
+                std::move(lost), std::move(found)},
+               map_interval);
+}
+
+std::shared_ptr<LiveReader> fuse_dense(Session& self, double voxel, double range, double cell,
+                                       double memory, int keyframes) {
+  const DenseSettings settings{voxel, range, cell, memory};
+  settings.check();
+  if (keyframes < 2) value_error(fmt::format("keyframes is {}; it must be at least 2", keyframes));
+  auto reader = std::make_shared<LiveReader>(self.config(), settings, keyframes);
+  self.add_observer(reader->map(), LiveDenseMap::watching());
+  return reader;
 }
 
 MapObject map_of(const Session& self) {
@@ -114,6 +127,8 @@ void bind_counters(py::module_& module) {
       .def_readonly("dropped", &SlamCounters::dropped, "Live: too late.")
       .def_readonly("detector_failures", &SlamCounters::detector_failures,
                     "1: it raised, and is not called any more; see Slam.detector_error.")
+      .def_readonly("observer_exceptions", &SlamCounters::observer_exceptions,
+                    "What callables of Slam.observe raised.")
       .def("__repr__", [](const SlamCounters& c) {
         return fmt::format("<dkp_slam.Counters fed {}, answered {}, dropped {}>", c.fed, c.answered,
                            c.dropped);
@@ -179,6 +194,33 @@ With everything known at the end; of the longest path where there are several.)"
       .def_property_readonly("map", &map_of, "After finish: the Map.");
 }
 
+void bind_observers(SlamClass& slam) {
+  slam.def("observe", &observe, py::kw_only(), py::arg("keyframe") = py::none(),
+           py::arg("map") = py::none(), py::arg("loop") = py::none(),
+           py::arg("merged") = py::none(), py::arg("lost") = py::none(),
+           py::arg("found") = py::none(), py::arg("map_interval") = 0.5,
+           R"(Calls callables with what happens, each with one dict. Before the first frame.
+
+keyframe: one was inserted (id, map, frame_index, timestamp, pose, landmarks). map: keyframes and
+landmarks that are new, moved or gone since the last call, at least map_interval seconds ago
+(keyframe_ids, keyframe_maps, keyframe_poses (k, 4, 4), removed_keyframes, landmark_ids, landmarks
+(n, 3), removed_landmarks). loop, merged: as in Slam.loops. lost, found: the camera (frame_index,
+timestamp, lost_for in seconds).
+
+They are called one at a time and in order, from a thread of their own. What they raise is logged
+once and counted in counters.observer_exceptions; the run goes on. Offline the run waits for who is
+64 events behind; live the oldest are left out. feed, wait, finish and close cannot be called in
+them.)")
+      .def("fuse_dense", &fuse_dense, py::kw_only(), py::arg("voxel") = 0.02,
+           py::arg("range") = 5.0, py::arg("cell") = 0.05, py::arg("memory") = 2000.0,
+           py::arg("keyframes") = 400,
+           R"(Fuses the static world of the keyframes while the run lasts: a LiveDenseMap.
+
+Before the first frame. voxel, range, cell (of grid and octree): metres. memory: megabytes of voxels
+at most. keyframes: whose images are kept, about 0.5 MB each. Raises ValueError for what is out of
+bounds.)");
+}
+
 }  // namespace
 
 void bind_slam(py::module_& module) {
@@ -213,6 +255,7 @@ Raises ValueError for a configuration that makes no sense, Error where a model i
       });
   bind_way_in(slam);
   bind_way_out(slam);
+  bind_observers(slam);
   module.def("_end", [] {
     Session::close_all();
     close_mailbox();

@@ -7,6 +7,7 @@ namespace dkp_slam::python {
 // What the module `_core` holds, a source file each.
 void bind_camera(pybind11::module_& module);
 void bind_config(pybind11::module_& module);
+void bind_dense(pybind11::module_& module);
 void bind_detection(pybind11::module_& module);
 void bind_frames(pybind11::module_& module);
 void bind_evaluation(pybind11::module_& module);

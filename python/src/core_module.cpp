@@ -19,5 +19,6 @@ PYBIND11_MODULE(_core, module) {
   bind_frames(module);
   bind_evaluation(module);
   bind_map(module);
+  bind_dense(module);
   bind_slam(module);
 }

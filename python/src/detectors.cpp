@@ -12,6 +12,7 @@
 #include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/error.h"
 #include "python/src/mailbox.h"
+#include "python/src/python_error.h"
 
 namespace dkp_slam::python {
 namespace {
@@ -30,20 +31,6 @@ class SharedDetectorUser final : public Detector {
 };
 
 std::string plain_text(const py::object& object) { return py::str(object); }
-
-/// "ZeroDivisionError: division by zero (room.py:12)", in one line.
-std::string line_of(const py::error_already_set& error) {
-  std::string text = fmt::format("{}: {}", plain_text(error.type().attr("__name__")),
-                                 error.value() ? plain_text(error.value()) : "");
-  for (char& c : text) c = c == '\n' ? ' ' : c;
-  py::object trace = error.trace() ? py::object(error.trace()) : py::none();
-  if (trace.is_none()) return text;
-  while (!trace.attr("tb_next").is_none()) trace = trace.attr("tb_next");
-  const py::object code = trace.attr("tb_frame").attr("f_code");
-  const std::string file = plain_text(code.attr("co_filename"));
-  return fmt::format("{} ({}:{})", text, file.substr(file.rfind('/') + 1),
-                     plain_text(trace.attr("tb_lineno")));
-}
 
 /// A detector written in Python: called from the detector's thread, with the GIL.
 class CallableDetector final : public Detector {

@@ -86,31 +86,35 @@ cv::Mat depth_of(const FrameInput& input, const Camera& camera) {
   return input.copy && metres.data == image.data ? metres.clone() : metres;
 }
 
-cv::Mat mask_of(const FrameInput& input, const SlamConfig& config) {
+cv::Mat mask_of(const FrameInput& input, const Camera& camera) {
   if (input.mask.is_none()) return {};
-  if (config.dynamics.mode != DynamicsMode::masks) {
-    value_error(fmt::format("mask: mode {} does not use masks; make the Config with mode=\"masks\"",
-                            mode_info(config.dynamics.mode).name));
-  }
   cv::Mat image = borrow("mask", array_named("mask", input.mask), CV_8UC1,
                          "bool or uint8 of shape (height, width), 0 on what is static");
-  check_size("mask", image, config.camera);
+  check_size("mask", image, camera);
   return input.copy ? image.clone() : image;
 }
 
 }  // namespace
 
-RgbdFrame frame_of(const FrameInput& input, const Session& session) {
-  const SlamConfig& config = session.config();
-  check_timestamp(input.timestamp, session.last_timestamp());
+RgbdFrame frame_of(const FrameInput& input, const Camera& camera) {
   if (!std::isfinite(input.depth_delay)) value_error("depth_delay is no number; give seconds");
   RgbdFrame frame;
   frame.timestamp = input.timestamp;
   frame.depth_delay = input.depth_delay;
-  frame.colour = colour_of(input, config.camera);
-  frame.depth = depth_of(input, config.camera);
-  frame.mask = mask_of(input, config);
+  frame.colour = colour_of(input, camera);
+  frame.depth = depth_of(input, camera);
+  frame.mask = mask_of(input, camera);
   return frame;
+}
+
+RgbdFrame frame_of(const FrameInput& input, const Session& session) {
+  const SlamConfig& config = session.config();
+  check_timestamp(input.timestamp, session.last_timestamp());
+  if (!input.mask.is_none() && config.dynamics.mode != DynamicsMode::masks) {
+    value_error(fmt::format("mask: mode {} does not use masks; make the Config with mode=\"masks\"",
+                            mode_info(config.dynamics.mode).name));
+  }
+  return frame_of(input, config.camera);
 }
 
 }  // namespace dkp_slam::python

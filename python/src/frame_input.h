@@ -15,8 +15,12 @@ struct FrameInput {
   bool copy = false;
 };
 
-/// As a frame of the session's camera. Throws TypeError and ValueError, which say which input is
-/// wrong and what to do.
+/// As a frame of a camera, with whatever mask and time stamp it has. Throws TypeError and
+/// ValueError, which say which input is wrong and what to do.
+RgbdFrame frame_of(const FrameInput& input, const Camera& camera);
+
+/// As the next frame of a session. Throws the same, also for a time stamp that does
+/// not rise and a mask that the mode does not use.
 RgbdFrame frame_of(const FrameInput& input, const Session& session);
 
 }  // namespace dkp_slam::python

@@ -53,9 +53,14 @@ Session::Session(const SlamConfig& config, std::unique_ptr<Detector> detector,
   open_sessions().insert(this);
 }
 
-Session::~Session() { close(); }
+Session::~Session() {
+  open_sessions().erase(this);
+  slam_ = nullptr;
+  deliver();
+}
 
 void Session::close() {
+  check_not_observing("close");
   open_sessions().erase(this);
   slam_ = nullptr;
   deliver();
@@ -69,6 +74,34 @@ void Session::close_all() {
 std::shared_ptr<Slam> Session::slam() const {
   if (!slam_) value_error("this Slam is closed; make another");
   return slam_;
+}
+
+void Session::check_not_observing(const char* call) const {
+  if (!CallableObserver::calling()) return;
+  value_error(
+      fmt::format("{}() waits for the system, which waits for this callable to end; call it from "
+                  "elsewhere",
+                  call));
+}
+
+void Session::observe(const Callbacks& callbacks, double map_interval) {
+  auto observer = std::make_shared<CallableObserver>(callbacks);
+  ObserverOptions options;
+  options.delivery = Delivery::every;
+  options.inbox = 64;
+  options.map = observer->wants_map();
+  options.map_interval = map_interval;
+  add_observer(observer, options);
+  observers_.push_back(std::move(observer));
+}
+
+void Session::add_observer(std::shared_ptr<SlamObserver> observer, const ObserverOptions& options) {
+  const std::shared_ptr<Slam> slam = this->slam();
+  if (last_timestamp_ || finished_) {
+    value_error("who is to be told of a run must be added before its first frame");
+  }
+  const py::gil_scoped_release release;
+  slam->add_observer(std::move(observer), options);
 }
 
 bool Session::wait_until(const std::function<bool()>& done, std::optional<double> timeout) const {
@@ -119,6 +152,7 @@ bool Session::failed() {
 }
 
 void Session::feed(RgbdFrame frame) {
+  check_not_observing("feed");
   const std::shared_ptr<Slam> slam = this->slam();
   const double timestamp = frame.timestamp;
   if (!config_.realtime) {
@@ -167,6 +201,7 @@ std::optional<ResultObject> Session::poll() {
 }
 
 std::optional<ResultObject> Session::wait(std::optional<double> timeout) {
+  check_not_observing("wait");
   const std::shared_ptr<Slam> slam = this->slam();
   wait_until(
       [&] {
@@ -180,6 +215,7 @@ std::optional<ResultObject> Session::wait(std::optional<double> timeout) {
 }
 
 void Session::finish() {
+  check_not_observing("finish");
   const std::shared_ptr<Slam> slam = this->slam();
   if (finished_) return;
   // Interrupted here, nothing has been ended, and it may go on.
@@ -211,6 +247,7 @@ void Session::finish() {
     collect(*slam);
   }
   finished_ = true;
+  for (const auto& observer : observers_) observer->let_go();
   deliver();
   if (interruption) std::rethrow_exception(interruption);
   if (problem) std::rethrow_exception(problem);

@@ -8,11 +8,13 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dkp_slam/system/slam.h"
 #include "python/src/arrays.h"
 #include "python/src/arrivals.h"
 #include "python/src/detectors.h"
+#include "python/src/observers.h"
 
 namespace dkp_slam::python {
 
@@ -32,6 +34,9 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  /// Calls callables with what happens. Before the first frame, else throws ValueError.
+  void observe(const Callbacks& callbacks, double map_interval);
+  void add_observer(std::shared_ptr<SlamObserver> observer, const ObserverOptions& options);
   void feed(RgbdFrame frame);
   /// The next result, if there is one. Throws what ended the system early, after the results before
   /// it.
@@ -56,6 +61,8 @@ class Session {
 
  private:
   std::shared_ptr<Slam> slam() const;
+  /// Throws ValueError in a callable of `observe`, where the system waits for the caller.
+  void check_not_observing(const char* call) const;
   /// Waits, without the GIL, until `done`; false at the `timeout`. Throws KeyboardInterrupt and
   /// what else a signal handler throws.
   bool wait_until(const std::function<bool()>& done,
@@ -71,6 +78,7 @@ class Session {
   const std::string detector_name_;
   const std::shared_ptr<DetectorFailure> detector_failure_;
   const std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
+  std::vector<std::shared_ptr<CallableObserver>> observers_;
   std::shared_ptr<Slam> slam_;  // null once closed; changed with the GIL
   std::optional<double> last_timestamp_;
   bool finished_ = false;

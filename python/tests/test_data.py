@@ -1,6 +1,7 @@
 """Evaluation, map files, the generated world: as the program has them."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -81,6 +82,48 @@ def test_map_file(program, by_program, tmp_path):
         map.save(tmp_path / "again.map")
     with pytest.raises(ValueError, match="there is no map 3; its maps are 0"):
         map.keyframes(3)
+
+
+def test_trajectory_formats_are_the_programs(program, by_program, tmp_path):
+    path = dkp_slam.read_trajectory(by_program / "trajectory.txt")
+    for name, file in [("tum", "path.txt"), ("euroc", "path.csv"), ("ply", "path.ply"),
+                       ("gltf", "path.gltf"), ("kitti", "path.kitti")]:
+        dkp_slam.write_trajectory(tmp_path / file, path, name if name == "kitti" else None)
+        program("export", by_program, "--format", name, "--out", tmp_path / f"program_{file}")
+        ours, theirs = ((tmp_path / f).read_bytes() for f in (file, f"program_{file}"))
+        if name == "gltf":
+            assert json.loads(ours)["accessors"][0]["count"] == len(path.timestamps)
+            continue
+        # Rotations come by way of matrices, and a 0 may have another sign.
+        ours, theirs = ([float(n) for n in re.findall(rb"-?\d+\.?\d*", b)] for b in (ours, theirs))
+        assert len(ours) >= 3 * len(path.timestamps), name
+        assert np.allclose(ours, theirs, atol=1e-6), name
+    with pytest.raises(ValueError, match="format is 'bvh'; it must be one of tum, kitti"):
+        dkp_slam.write_trajectory(tmp_path / "path.bvh", path, "bvh")
+    with pytest.raises(dkp_slam.Error):
+        dkp_slam.write_trajectory(tmp_path / "empty.ply", (np.zeros(0), np.zeros((0, 4, 4))))
+    assert not (tmp_path / "empty.ply").exists()
+
+
+def test_landmarks_and_merged_maps(program, by_program, small_camera, tmp_path):
+    file = by_program / "room.map"
+    map = dkp_slam.Map.load(file)
+    map.save_landmarks(tmp_path / "landmarks.ply")
+    program("export", file, "--landmarks", tmp_path / "by_program.ply")
+    assert (tmp_path / "landmarks.ply").read_bytes() == (tmp_path / "by_program.ply").read_bytes()
+    both, joined = dkp_slam.merge_maps(map, map)
+    assert len(both.keyframe_ids) == 2 * len(map.keyframe_ids)
+    program("map", "merge", file, file, "--out", tmp_path / "both.map")
+    by_program = dkp_slam.Map.load(tmp_path / "both.map")
+    assert np.array_equal(both.landmarks, by_program.landmarks)
+    assert both.maps == by_program.maps and len(joined) == 2 - len(both.maps)
+    with dkp_slam.Slam(dkp_slam.Config(small_camera), detector=None) as slam:
+        pass
+    assert len(slam.map.landmarks) == 0
+    with pytest.raises(ValueError, match="made with different cameras"):
+        dkp_slam.merge_maps(map, slam.map)
+    with pytest.raises(dkp_slam.Error, match="holds no landmark"):
+        slam.map.save_landmarks(tmp_path / "none.ply")
 
 
 def test_camera_is_found_in_a_map(by_program, camera, frames, small_camera):
