@@ -140,15 +140,21 @@ bool minimise(const Systems& systems, const MeasuredNoise& noise, Parameters& p)
 ParameterMatrix covariance_of(const Systems& systems, const MeasuredNoise& noise,
                               const Parameters& p) {
   const std::vector<ReducedSystem> all = systems.reduce(p, noise, 0.0);
-  const ParameterMatrix plain = systems.inverse(sum_of(all).h);
+  const ReducedSystem sum = sum_of(all);
+  const ParameterMatrix plain = systems.inverse(sum.h);
   constexpr std::size_t least = 4;  // windows whose scatter says anything
   // Errors within a window hang together: without a scatter to see by how much, by a guess.
   constexpr double guess = 3.0;
   if (all.size() < least) return guess * guess * plain;
+  // By how much the result would change without each of the windows. What a window wants at the
+  // common result says too little: one that tells the most has pulled the result to itself.
   ParameterMatrix scatter = ParameterMatrix::Zero();
-  for (const ReducedSystem& r : all) scatter += r.g * r.g.transpose();
+  for (const ReducedSystem& r : all) {
+    const Parameters change = systems.inverse(sum.h - r.h) * (sum.g - r.g);
+    scatter += change * change.transpose();
+  }
   const auto n = static_cast<double>(all.size());
-  ParameterMatrix covariance = plain * (scatter * n / (n - 1.0)) * plain;
+  ParameterMatrix covariance = scatter * (n - 1.0) / n;
   for (int i = 0; i < parameter_count; ++i)
     covariance(i, i) = std::max(covariance(i, i), plain(i, i));
   return covariance;

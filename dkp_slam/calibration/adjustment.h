@@ -21,8 +21,8 @@ struct Adjustment {
 /// motions eliminated window by window), robust after Cauchy, weighted by the noise that turns out.
 ///
 /// The standard deviations: windows know nothing of each other, so that the scatter of what each of
-/// them wants says how sure the result is, also where the errors within a window hang together
-/// (the sandwich estimator of Huber 1967); those of the least squares where they are larger.
+/// them wants says how sure the result is, also where the errors within a window hang together:
+/// the jackknife over windows (Tukey 1958); those of the least squares where they are larger.
 Adjustment adjust_windows(std::vector<Window>& windows, const Camera& camera,
                           const Parameters& start, const ParameterChoice& free);
 

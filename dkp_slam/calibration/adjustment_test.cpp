@@ -1,97 +1,19 @@
 #include "dkp_slam/calibration/adjustment.h"
 
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "dkp_slam/calibration/profile.h"
+#include "dkp_slam/calibration/test_sightings.h"
 
 namespace dkp_slam {
 namespace {
 
-/// What is wrong with a camera, and how it moves.
-struct World {
-  double readout = 0.02, delay = 0.008, bias = 0.03;
-  double pixel_noise = 0.5;
-  double turn = 0.15, way = 0.10;  ///< amplitudes, radians and metres
-  int frames = 180;
-  unsigned seed = 1;
-};
-
-Camera camera_of(const World& world) {
-  Camera camera;
-  camera.fx = camera.fy = 525.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  camera.readout = world.readout;
-  return camera;
-}
-
-/// Turned to and fro and moved about, each freedom at its own pace.
-Se3 pose_at(const World& world, double t) {
-  const Eigen::Vector3d turn(std::sin(3.1 * t), std::sin(2.3 * t + 1.0), std::sin(1.7 * t + 2.0));
-  const Eigen::Vector3d way(std::sin(1.3 * t), std::sin(1.9 * t + 0.5), std::sin(2.7 * t + 1.5));
-  Vector6d tangent;
-  tangent << world.way * way, world.turn * turn;
-  return Se3::exp(tangent);
-}
-
-/// Where a point is seen by a camera whose rows are read one after the other.
-Eigen::Vector2d seen_pixel(const World& world, const Camera& camera, const Eigen::Vector3d& point,
-                           double time, double* depth) {
-  double row = 0.0;
-  Eigen::Vector2d pixel;
-  for (int i = 0; i < 6; ++i) {
-    const Eigen::Vector3d p = pose_at(world, time + row * world.readout).inverse() * point;
-    pixel = camera.project(p);
-    row = pixel.y() / camera.height - 0.5;
-    *depth = p.z();
-  }
-  return pixel;
-}
-
-/// Exact sightings of points in space with noise. The path is given as the true one, with errors.
-std::vector<SightedFrame> frames_of(const World& world) {
-  const Camera camera = camera_of(world);
-  std::mt19937 random(world.seed);
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 200; ++i) {
-    const double z = 2.0 + uniform(random);
-    points.emplace_back(0.7 * z * uniform(random), 0.5 * z * uniform(random), z);
-  }
-  std::vector<SightedFrame> frames;
-  for (int i = 0; i < world.frames; ++i) {
-    SightedFrame frame;
-    frame.time = 100.0 + i / 30.0;
-    frame.depth_time = frame.time;
-    Vector6d error;
-    for (int k = 0; k < 6; ++k) error[k] = 0.002 * normal(random);
-    frame.world_from_camera = pose_at(world, frame.time) * Se3::exp(error);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      double z = 0.0, later_z = 0.0;
-      SeenLandmark seen;
-      seen.landmark = static_cast<int>(k);
-      seen.pixel = seen_pixel(world, camera, points[k], frame.time, &z);
-      if (z < 0.3 || seen.pixel.x() < 10 || seen.pixel.x() > 630 || seen.pixel.y() < 10 ||
-          seen.pixel.y() > 470) {
-        continue;
-      }
-      // Each point lies on a surface that faces the camera.
-      seen.depth.pixel = seen_pixel(world, camera, points[k], frame.time + world.delay, &later_z);
-      const double noise = 0.3 * camera.depth_noise.sigma(later_z) * normal(random);
-      seen.depth.inverse = 1.0 / (later_z - world.bias + noise);
-      seen.pixel.x() += world.pixel_noise * normal(random);
-      seen.pixel.y() += world.pixel_noise * normal(random);
-      frame.sightings.push_back(seen);
-    }
-    frames.push_back(frame);
-  }
-  return frames;
-}
+using testing::camera_of;
+using testing::frames_of;
+using testing::World;
 
 ParameterChoice times_and_bias() {
   ParameterChoice free{};
@@ -161,6 +83,14 @@ TEST(Adjustment, SaysHonestlyHowSureItIs) {
 TEST(Adjustment, KnowsThatAStillCameraTellsNothing) {
   World world;
   world.turn = world.way = 0.0;
+  const Adjustment found = adjusted(world, without_readout(world));
+  EXPECT_GT(std::sqrt(found.covariance(readout_parameter, readout_parameter)), 0.002);
+}
+
+/// Every row sees what the middle one sees, only later: as if the landmarks were elsewhere.
+TEST(Adjustment, KnowsThatAnEvenlyTranslatedCameraTellsNothing) {
+  World world;
+  world.even = {0.2, 0.05, 0.1};
   const Adjustment found = adjusted(world, without_readout(world));
   EXPECT_GT(std::sqrt(found.covariance(readout_parameter, readout_parameter)), 0.002);
 }

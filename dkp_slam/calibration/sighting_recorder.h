@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "dkp_slam/calibration/sightings.h"
@@ -21,9 +23,16 @@ class SightingRecorder : public SlamObserver {
   std::vector<SightedFrame> frames_on(const Trajectory& path) const;
 
  private:
+  /// Where a feature was when its depth image was taken, raw pixel, by how its landmark has moved
+  /// since the frame before; nothing where nobody knows.
+  std::optional<Eigen::Vector2d> place_in_depth(const SeenLandmark& seen, double time,
+                                                double depth_time) const;
+
   Camera camera_;
   double level_scale_;
   std::vector<SightedFrame> frames_;
+  double last_time_ = 0.0;                            // seconds, of the frame before
+  std::unordered_map<int, Eigen::Vector2d> last_at_;  // its landmarks' raw pixels
 };
 
 }  // namespace dkp_slam
