@@ -1,6 +1,8 @@
 #include "dkp_slam/sensor/tum_source.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -16,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<ImagePair> pair_by_time(const fs::path& folder, double max_difference) {
+std::vector<ImagePair> pair_by_time(const fs::path& folder, const TumOptions& options) {
+  const double max_difference = options.max_difference;
   for (const char* list : {"rgb.txt", "depth.txt"}) {
     if (!fs::exists(folder / list)) {
       throw Error(
@@ -27,13 +30,14 @@ std::vector<ImagePair> pair_by_time(const fs::path& folder, double max_differenc
   }
   const std::vector<StampedFile> colour = read_stamped_files(folder / "rgb.txt");
   const std::vector<StampedFile> depth = read_stamped_files(folder / "depth.txt");
-  const auto stamps = [](const std::vector<StampedFile>& files) {
+  const auto moments = [](const std::vector<StampedFile>& files, double after_stamp) {
     std::vector<double> result;
-    for (const StampedFile& file : files) result.push_back(file.timestamp);
+    for (const StampedFile& file : files) result.push_back(file.timestamp + after_stamp);
     return result;
   };
   std::vector<ImagePair> pairs;
-  for (const auto& [c, d] : associate(stamps(colour), stamps(depth), max_difference)) {
+  for (const auto& [c, d] :
+       associate(moments(colour, 0.0), moments(depth, options.depth.delay), max_difference)) {
     pairs.push_back({colour[c].timestamp, colour[c].path, depth[d].path, depth[d].timestamp});
   }
   if (pairs.empty()) {
@@ -49,6 +53,28 @@ std::vector<ImagePair> pair_by_time(const fs::path& folder, double max_differenc
   return pairs;
 }
 
+/// A list's pairs went by time stamps. Where depth is known to be taken `delay` after its own, each
+/// colour image gets the depth image of the list that was taken nearest to it.
+void pair_by_moment(std::vector<ImagePair>& pairs, double delay) {
+  std::vector<ImagePair> depth = pairs;
+  const auto earlier = [](const ImagePair& a, const ImagePair& b) {
+    return a.depth_timestamp < b.depth_timestamp;
+  };
+  std::sort(depth.begin(), depth.end(), earlier);
+  for (ImagePair& pair : pairs) {
+    ImagePair wanted;
+    wanted.depth_timestamp = pair.timestamp - delay;
+    auto nearest = std::lower_bound(depth.begin(), depth.end(), wanted, earlier);
+    const bool before =
+        nearest == depth.end() ||
+        (nearest != depth.begin() && wanted.depth_timestamp - std::prev(nearest)->depth_timestamp <
+                                         nearest->depth_timestamp - wanted.depth_timestamp);
+    if (before) --nearest;
+    pair.depth = nearest->depth;
+    pair.depth_timestamp = nearest->depth_timestamp;
+  }
+}
+
 std::vector<ImagePair> list_pairs(const fs::path& folder, const TumOptions& options) {
   if (!fs::exists(folder)) throw Error(folder.string() + ": no such folder; check the path");
   if (!fs::is_directory(folder)) {
@@ -61,8 +87,9 @@ std::vector<ImagePair> list_pairs(const fs::path& folder, const TumOptions& opti
     if (pairs.empty()) {
       throw Error(list.string() + ": names no images; delete it to associate by time stamp");
     }
+    if (options.depth.delay != 0.0) pair_by_moment(pairs, options.depth.delay);
   } else {
-    pairs = pair_by_time(folder, options.max_difference);
+    pairs = pair_by_time(folder, options);
   }
   return pairs;
 }

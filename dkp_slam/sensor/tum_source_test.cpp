@@ -142,6 +142,34 @@ TEST_F(TumSourceTest, AssociationsFileGoesBeforeStamps) {
   EXPECT_EQ(frame->depth.at<float>(0, 0), 2.5F);
 }
 
+/// Frame i is at i seconds and its depth image is stamped 5 ms later; but it was taken 0.7 s before
+/// that, so that image i + 1 is the one that was taken nearest to it.
+TEST_F(TumSourceTest, PairsByTheMomentWhenDepthIsTakenBesideItsStamp) {
+  write("associations.txt",
+        "1.000 rgb/1.png 1.005 depth/1.png\n2.000 rgb/2.png 2.005 depth/2.png\n"
+        "3.000 rgb/3.png 3.005 depth/3.png\n");
+  TumOptions options;
+  options.depth.delay = -0.7;
+  const auto listed = open(options);
+  for (const auto& [number, delay] :
+       std::vector<std::pair<int, double>>{{2, 0.305}, {3, 0.305}, {3, -0.695}}) {
+    const auto frame = listed->read();
+    ASSERT_TRUE(frame);
+    EXPECT_FLOAT_EQ(frame->depth.at<float>(0, 0), 0.5F * static_cast<float>(number));
+    EXPECT_NEAR(frame->depth_delay, delay, 1e-9);
+  }
+  EXPECT_FALSE(listed->read());
+
+  fs::remove(folder_ / "associations.txt");
+  options.max_difference = 0.4;
+  const auto stamped = open(options);
+  const auto first = stamped->read();
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->timestamp, 0.0);
+  EXPECT_NEAR(first->depth_delay, 0.305, 1e-9);
+  EXPECT_FLOAT_EQ(stamped->read()->depth.at<float>(0, 0), 1.0F);
+}
+
 TEST_F(TumSourceTest, TakesJpegAndGreyAndDeepAndAlphaColour) {
   const cv::Mat flat(height, width, CV_8UC3, cv::Scalar(10, 100, 200));
   cv::imwrite(folder_ / "rgb/0.jpg", flat);
