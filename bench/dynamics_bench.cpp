@@ -25,7 +25,8 @@ namespace dkp_slam {
 namespace {
 
 struct BenchOptions {
-  std::string sequence, camera, model, detections, csv, overlay, mode = "dkp+", clustering;
+  std::string sequence, camera, model, detections, csv, features, overlay, mode = "dkp+",
+                                                                           clustering;
   int first = 0, last = 1 << 30, overlay_every = 0;
   std::vector<int> overlay_frames;
   std::vector<std::string> settings;
@@ -46,7 +47,6 @@ std::vector<Entry> read_associations(const std::filesystem::path& folder) {
   return entries;
 }
 
-/// Lines "frame class score x y width height", as a stand-in for the network in repeated runs.
 double median(std::vector<double> v) {
   if (v.empty()) return 0.0;
   std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
@@ -70,6 +70,23 @@ cv::Mat picture_of(const RgbdFrame& frame, const std::vector<cv::KeyPoint>& keyp
   outline(result.mask, {60, 60, 255}, depth);
   cv::hconcat(overlay, depth, picture);
   return picture;
+}
+
+/// One line per feature of the frame.
+void write_features(std::ostream& out, const RgbdFrame& frame,
+                    const std::vector<cv::KeyPoint>& keypoints, const FrameDynamics& result,
+                    const cv::Mat& truth) {
+  const cv::Rect image(cv::Point(), frame.depth.size());
+  for (std::size_t k = 0; k < keypoints.size(); ++k) {
+    const cv::Point pixel(cvRound(keypoints[k].pt.x), cvRound(keypoints[k].pt.y));
+    if (!image.contains(pixel)) continue;
+    const FeatureDynamics& f = result.features[k];
+    const bool masked = !result.mask.empty() && result.mask.at<std::uint8_t>(pixel) != 0;
+    out << fmt::format("{},{},{},{},{},{},{},{},{:.2f},{:.3f}\n", frame.index, pixel.x, pixel.y,
+                       keypoints[k].octave, truth.empty() ? 0 : int{truth.at<std::uint8_t>(pixel)},
+                       int{f.is_static}, int{masked}, static_cast<int>(f.region), f.motion_residual,
+                       frame.depth.at<float>(pixel));
+  }
 }
 
 struct Totals {
@@ -104,6 +121,8 @@ void run(const BenchOptions& bench) {
   if (!bench.overlay.empty()) std::filesystem::create_directories(bench.overlay);
   std::ofstream csv(bench.csv);
   if (csv) csv << "frame,iou,inside,inside_removed,outside,outside_kept,clustering_ms,removal_ms\n";
+  std::ofstream features(bench.features);
+  if (features) features << "frame,x,y,level,truth,static,masked,region,residual,depth\n";
   Totals totals;
   const int end = std::min(static_cast<int>(entries.size()), bench.last);
   for (int i = bench.first; i < end; ++i) {
@@ -151,6 +170,7 @@ void run(const BenchOptions& bench) {
         for (const auto& s : scores) iou += s.iou / static_cast<double>(scores.size());
       }
     }
+    if (features) write_features(features, frame, keypoints, result, truth);
     if (csv) {
       csv << fmt::format("{},{:.3f},{},{},{},{},{:.2f},{:.2f}\n", i, iou, counts.inside,
                          counts.inside_removed, counts.outside, counts.outside_kept,
@@ -193,6 +213,7 @@ int main(int argc, char** argv) {
   app.add_option("--first", bench.first, "first frame");
   app.add_option("--last", bench.last, "frame to stop before");
   app.add_option("--csv", bench.csv, "figures of every frame");
+  app.add_option("--features", bench.features, "every feature of every frame");
   app.add_option("--overlay", bench.overlay, "folder for pictures");
   app.add_option("--overlay-every", bench.overlay_every, "a picture every so many frames");
   app.add_option("--overlay-frames", bench.overlay_frames, "pictures of these frames")
