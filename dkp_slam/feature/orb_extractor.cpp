@@ -1,8 +1,11 @@
 #include "dkp_slam/feature/orb_extractor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <mutex>
+#include <set>
+#include <tuple>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -52,6 +55,16 @@ void search_empty_cells(const cv::Mat& image, int threshold, std::vector<cv::Key
   }
 }
 
+/// Of a level's image: where corners may lie, and the three pixels that FAST itself skips around.
+cv::Rect inner_part(const cv::Size& image) {
+  return {border - 3, border - 3, image.width - 2 * border + 6, image.height - 2 * border + 6};
+}
+
+void append(const OrbFeatures& more, OrbFeatures& all) {
+  all.keypoints.insert(all.keypoints.end(), more.keypoints.begin(), more.keypoints.end());
+  all.descriptors.insert(all.descriptors.end(), more.descriptors.begin(), more.descriptors.end());
+}
+
 /// Levels of an image, each made from the one below when it is first asked for: whoever works on
 /// the image itself need not wait for them. Safe to use from several threads.
 class Pyramid {
@@ -94,7 +107,9 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
   }
 }
 
-OrbFeatures OrbExtractor::extract(const cv::Mat& grey, const cv::Mat& allowed) const {
+template <typename OfLevel>
+std::vector<OrbFeatures> OrbExtractor::each_level(const cv::Mat& grey,
+                                                  const OfLevel& of_level) const {
   CV_Assert(grey.type() == CV_8UC1);
   cv::Mat ground = grey;
   const double enlargement = options_.enlargement;
@@ -110,75 +125,106 @@ OrbFeatures OrbExtractor::extract(const cv::Mat& grey, const cv::Mat& allowed) c
   }
   Pyramid pyramid(ground, std::move(sizes));
   // Levels have nothing to do with each other: whoever waits for a frame gets it sooner.
-  std::vector<OrbFeatures> of_level(static_cast<std::size_t>(pyramid.levels()));
+  std::vector<OrbFeatures> levels(static_cast<std::size_t>(pyramid.levels()));
   cv::parallel_for_(cv::Range(0, pyramid.levels()), [&](const cv::Range& range) {
     for (int level = range.start; level < range.end; ++level) {
-      of_level[static_cast<std::size_t>(level)] =
-          extract_level(pyramid.level(level), allowed, level);
+      const cv::Mat& image = pyramid.level(level);
+      if (image.cols <= 2 * border || image.rows <= 2 * border) continue;
+      levels[static_cast<std::size_t>(level)] = of_level(image, level);
     }
   });
+  return levels;
+}
+
+OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
+  std::vector<OrbFeatures> levels = each_level(grey, [&](const cv::Mat& image, int level) {
+    std::vector<cv::KeyPoint> corners = find_corners(image);
+    OrbFeatures features = describe(image, spread(corners, image.size(), level), level);
+    features.corners.push_back(std::move(corners));
+    return features;
+  });
   OrbFeatures out;
-  for (const OrbFeatures& f : of_level) {
-    out.keypoints.insert(out.keypoints.end(), f.keypoints.begin(), f.keypoints.end());
-    out.descriptors.insert(out.descriptors.end(), f.descriptors.begin(), f.descriptors.end());
-  }
-  if (enlargement > 1.0) {
-    const auto shrink = static_cast<float>(1.0 / enlargement);
-    // Pixel centres have whole coordinates, so that both images begin at -0.5.
-    const cv::Point2f corner(0.5F, 0.5F);
-    for (cv::KeyPoint& k : out.keypoints) {
-      k.pt = shrink * (k.pt + corner) - corner;
-      k.size *= shrink;
-    }
+  for (OrbFeatures& f : levels) {
+    append(f, out);
+    out.corners.push_back(f.corners.empty() ? std::vector<cv::KeyPoint>()
+                                            : std::move(f.corners.front()));
   }
   return out;
 }
 
-OrbFeatures OrbExtractor::extract_level(const cv::Mat& image, const cv::Mat& allowed,
-                                        int level) const {
+OrbFeatures OrbExtractor::extract_more(const cv::Mat& grey, const OrbFeatures& found,
+                                       const cv::Mat& allowed) const {
+  std::set<std::tuple<int, float, float>> known;
+  for (const cv::KeyPoint& k : found.keypoints) known.insert({k.octave, k.pt.x, k.pt.y});
   OrbFeatures out;
+  const auto of_level = [&](const cv::Mat& image, int level) {
+    if (static_cast<std::size_t>(level) >= found.corners.size()) return OrbFeatures();
+    std::vector<cv::KeyPoint> corners = found.corners[static_cast<std::size_t>(level)];
+    const float to_x = static_cast<float>(allowed.cols) / static_cast<float>(image.cols);
+    const float to_y = static_cast<float>(allowed.rows) / static_cast<float>(image.rows);
+    std::erase_if(corners, [&](const cv::KeyPoint& k) {
+      return allowed.at<uchar>(static_cast<int>(k.pt.y * to_y), static_cast<int>(k.pt.x * to_x)) ==
+             0;
+    });
+    corners = spread(corners, image.size(), level);
+    std::erase_if(corners, [&](const cv::KeyPoint& k) {
+      const cv::Point2f pixel = image_pixel(k.pt, level);
+      return known.count({level, pixel.x, pixel.y}) > 0;
+    });
+    return corners.empty() ? OrbFeatures() : describe(image, std::move(corners), level);
+  };
+  for (const OrbFeatures& f : each_level(grey, of_level)) append(f, out);
+  return out;
+}
+
+cv::Point2f OrbExtractor::image_pixel(const cv::Point2f& corner, int level) const {
+  const cv::Point2f ground = corner * scales_[static_cast<std::size_t>(level)];
+  if (options_.enlargement <= 1.0) return ground;
+  // Pixel centres have whole coordinates, so that both images begin at -0.5.
+  const cv::Point2f half(0.5F, 0.5F);
+  return static_cast<float>(1.0 / options_.enlargement) * (ground + half) - half;
+}
+
+OrbFeatures OrbExtractor::describe(const cv::Mat& image, std::vector<cv::KeyPoint> corners,
+                                   int level) const {
   const auto l = static_cast<std::size_t>(level);
-  const float scale = scales_[l];
-  if (image.cols <= 2 * border || image.rows <= 2 * border) return out;
-  out.keypoints = detect_level(image, allowed, wanted_per_level_[l]);
-  add_angles(image, out.keypoints);
+  add_angles(image, corners);
   // One level at a time on our own pyramid: OpenCV would build its own again, the slow exact way.
   cv::Mat rows;
-  describers_[l]->compute(image, out.keypoints, rows);
+  describers_[l]->compute(image, corners, rows);
+  OrbFeatures out;
+  out.keypoints = std::move(corners);
+  const auto size =
+      static_cast<float>(scales_[l] * (2 * patch_radius + 1) / std::max(1.0, options_.enlargement));
   for (std::size_t i = 0; i < out.keypoints.size(); ++i) {
     cv::KeyPoint& k = out.keypoints[i];
-    k.pt *= scale;
+    k.pt = image_pixel(k.pt, level);
     k.octave = level;
-    k.size = scale * (2 * patch_radius + 1);
+    k.size = size;
     out.descriptors.emplace_back();
     std::memcpy(out.descriptors.back().data(), rows.ptr(static_cast<int>(i)), sizeof(Descriptor));
   }
   return out;
 }
 
-std::vector<cv::KeyPoint> OrbExtractor::detect_level(const cv::Mat& image, const cv::Mat& allowed,
-                                                     int wanted) const {
-  // FAST itself skips three pixels at the edge of what it is given.
-  const cv::Rect inner(border - 3, border - 3, image.cols - 2 * border + 6,
-                       image.rows - 2 * border + 6);
+std::vector<cv::KeyPoint> OrbExtractor::find_corners(const cv::Mat& image) const {
+  const cv::Rect inner = inner_part(image.size());
   std::vector<cv::KeyPoint> corners;
   cv::FAST(image(inner), corners, options_.fast_threshold, true);
   search_empty_cells(image(inner), options_.fast_low_threshold, corners);
-  if (!allowed.empty()) {
-    const float to_x = static_cast<float>(allowed.cols) / static_cast<float>(image.cols);
-    const float to_y = static_cast<float>(allowed.rows) / static_cast<float>(image.rows);
-    std::erase_if(corners, [&](const cv::KeyPoint& k) {
-      const cv::Point2f p = k.pt + cv::Point2f(inner.tl());
-      return allowed.at<uchar>(static_cast<int>(p.y * to_y), static_cast<int>(p.x * to_x)) == 0;
-    });
-  }
-  corners = spread_by_quadtree(corners, cv::Rect2f(0, 0, inner.width, inner.height), wanted);
-  for (cv::KeyPoint& k : corners) {
-    k.pt += cv::Point2f(inner.tl());
+  for (cv::KeyPoint& k : corners) k.pt += cv::Point2f(inner.tl());
+  return corners;
+}
+
+std::vector<cv::KeyPoint> OrbExtractor::spread(const std::vector<cv::KeyPoint>& corners,
+                                               const cv::Size& image, int level) const {
+  std::vector<cv::KeyPoint> best = spread_by_quadtree(
+      corners, inner_part(image), wanted_per_level_[static_cast<std::size_t>(level)]);
+  for (cv::KeyPoint& k : best) {
     k.octave = 0;
     k.size = 2 * patch_radius + 1;
   }
-  return corners;
+  return best;
 }
 
 void OrbExtractor::add_angles(const cv::Mat& image, std::vector<cv::KeyPoint>& keypoints) const {

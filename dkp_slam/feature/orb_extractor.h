@@ -30,6 +30,8 @@ struct OrbFeatures {
   /// Raw pixels of the full-size image, angle in degrees, octave = pyramid level, ordered by level.
   std::vector<cv::KeyPoint> keypoints;
   std::vector<Descriptor> descriptors;  ///< one per keypoint
+  /// All corners of each level that the keypoints were chosen from, pixels of the level.
+  std::vector<std::vector<cv::KeyPoint>> corners;
 };
 
 /// ORB (Rublee et al. 2011) with corners spread over the image by a quad-tree, as ORB-SLAM does
@@ -40,18 +42,31 @@ class OrbExtractor {
  public:
   explicit OrbExtractor(const OrbOptions& options = {});
 
-  /// `grey`: CV_8UC1. `allowed`: CV_8UC1 of the same size, 0 where no corner is wanted; empty:
-  /// wanted everywhere. Deterministic.
-  OrbFeatures extract(const cv::Mat& grey, const cv::Mat& allowed = {}) const;
+  /// `grey`: CV_8UC1. Deterministic.
+  OrbFeatures extract(const cv::Mat& grey) const;
+
+  /// As many features as an image gets where `allowed` (CV_8UC1, size of `grey`) is not 0, from the
+  /// corners of `found` (of the same image and levels), but for those that `found` has already. The
+  /// result has no corners of its own.
+  OrbFeatures extract_more(const cv::Mat& grey, const OrbFeatures& found,
+                           const cv::Mat& allowed) const;
 
   const OrbOptions& options() const { return options_; }
   /// Side length of a pixel of a level in pixels of level 0.
   float scale_of(int level) const { return scales_[static_cast<std::size_t>(level)]; }
 
  private:
-  OrbFeatures extract_level(const cv::Mat& image, const cv::Mat& allowed, int level) const;
-  std::vector<cv::KeyPoint> detect_level(const cv::Mat& image, const cv::Mat& allowed,
-                                         int wanted) const;
+  /// What `of_level` makes of each level's image, which may be done in several threads at once.
+  template <typename OfLevel>
+  std::vector<OrbFeatures> each_level(const cv::Mat& grey, const OfLevel& of_level) const;
+  std::vector<cv::KeyPoint> find_corners(const cv::Mat& image) const;
+  /// The best of them, spread over the level.
+  std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& corners, const cv::Size& image,
+                                   int level) const;
+  /// Features at corners of a level, in pixels of the image.
+  OrbFeatures describe(const cv::Mat& image, std::vector<cv::KeyPoint> corners, int level) const;
+  /// Corner of a level in pixels of the image.
+  cv::Point2f image_pixel(const cv::Point2f& corner, int level) const;
   void add_angles(const cv::Mat& image, std::vector<cv::KeyPoint>& keypoints) const;
 
   OrbOptions options_;

@@ -1,5 +1,9 @@
 #include "dkp_slam/feature/orb_extractor.h"
 
+#include <algorithm>
+#include <set>
+#include <tuple>
+
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
@@ -37,14 +41,46 @@ TEST(OrbExtractor, WeakTextureBesideStrongGetsItsShare) {
   EXPECT_GT(weak, 130);
 }
 
-TEST(OrbExtractor, TakesCornersWhereTheyAreAllowedAndAllOfThemThere) {
+TEST(OrbExtractor, TakesMoreCornersWhereTheyAreAllowedAndAllOfThemThere) {
   const cv::Mat image = texture(4);
   cv::Mat allowed = cv::Mat::zeros(image.size(), CV_8UC1);
   allowed(cv::Rect(100, 200, 240, 180)) = 1;
-  const OrbFeatures features = OrbExtractor().extract(image, allowed);
-  EXPECT_GT(features.keypoints.size(), 600U);
+  const OrbExtractor extractor;
+  const OrbFeatures found = extractor.extract(image);
+  const OrbFeatures more = extractor.extract_more(image, found, allowed);
   const cv::Rect2f area(98.0F, 198.0F, 245.0F, 185.0F);  // a level's pixel is up to 3.6 wide
-  for (const cv::KeyPoint& k : features.keypoints) EXPECT_TRUE(area.contains(k.pt)) << k.pt;
+  std::set<std::tuple<int, float, float>> places;
+  for (const cv::KeyPoint& k : found.keypoints) places.insert({k.octave, k.pt.x, k.pt.y});
+  for (const cv::KeyPoint& k : more.keypoints) {
+    EXPECT_TRUE(area.contains(k.pt)) << k.pt;
+    EXPECT_TRUE(places.insert({k.octave, k.pt.x, k.pt.y}).second) << "twice: " << k.pt;
+  }
+  const auto there = std::count_if(found.keypoints.begin(), found.keypoints.end(),
+                                   [&](const cv::KeyPoint& k) { return area.contains(k.pt); });
+  EXPECT_GT(there + static_cast<std::ptrdiff_t>(more.keypoints.size()), 600);
+}
+
+TEST(OrbExtractor, FindsTheSameAgainWhereEverythingIsAllowed) {
+  const cv::Mat image = texture(5);
+  const cv::Mat everywhere(image.size(), CV_8UC1, cv::Scalar(1));
+  for (const double enlargement : {1.0, 1.5}) {
+    OrbOptions options;
+    options.enlargement = enlargement;
+    const OrbExtractor extractor(options);
+    OrbFeatures found = extractor.extract(image);
+    EXPECT_TRUE(extractor.extract_more(image, found, everywhere).keypoints.empty());
+    // What is taken away is found again, with the same descriptor.
+    const cv::KeyPoint k = found.keypoints.back();
+    const Descriptor d = found.descriptors.back();
+    found.keypoints.pop_back();
+    found.descriptors.pop_back();
+    const OrbFeatures again = extractor.extract_more(image, found, everywhere);
+    ASSERT_EQ(again.keypoints.size(), 1U);
+    EXPECT_EQ(again.keypoints[0].pt, k.pt);
+    EXPECT_EQ(again.keypoints[0].octave, k.octave);
+    EXPECT_EQ(again.keypoints[0].angle, k.angle);
+    EXPECT_EQ(again.descriptors[0], d);
+  }
 }
 
 TEST(OrbExtractor, FollowsAShiftAndARightAngle) {

@@ -1,8 +1,6 @@
 #include "dkp_slam/system/feature_refill.h"
 
 #include <algorithm>
-#include <set>
-#include <tuple>
 
 #include <opencv2/imgproc.hpp>
 
@@ -14,11 +12,6 @@ namespace {
 OrbOptions with_features(OrbOptions orb, int features) {
   orb.features = features;
   return orb;
-}
-
-/// A corner as the extractor finds it again.
-std::tuple<int, float, float> corner_of(const cv::KeyPoint& k) {
-  return {k.octave, k.pt.x, k.pt.y};
 }
 
 }  // namespace
@@ -44,15 +37,11 @@ void FeatureRefill::refill(const cv::Mat& grey, OrbFeatures& features,
   const int side = 2 * options_.margin + 1;
   cv::Mat hidden;
   cv::dilate(dynamics.doubtful, hidden, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
-  std::set<std::tuple<int, float, float>> known;
-  for (const cv::KeyPoint& k : features.keypoints) known.insert(corner_of(k));
-  const OrbFeatures more = extractor_.extract(grey, hidden == 0);
-  for (std::size_t i = 0; i < more.keypoints.size(); ++i) {
-    if (known.count(corner_of(more.keypoints[i])) > 0) continue;
-    features.keypoints.push_back(more.keypoints[i]);
-    features.descriptors.push_back(more.descriptors[i]);
-    dynamics.features.emplace_back();
-  }
+  const OrbFeatures more = extractor_.extract_more(grey, features, hidden == 0);
+  features.keypoints.insert(features.keypoints.end(), more.keypoints.begin(), more.keypoints.end());
+  features.descriptors.insert(features.descriptors.end(), more.descriptors.begin(),
+                              more.descriptors.end());
+  dynamics.features.resize(features.keypoints.size());
 }
 
 }  // namespace dkp_slam
