@@ -1,5 +1,7 @@
 #include "dkp_slam/detection/look_schedule.h"
 
+#include <utility>
+
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/config/option_list.h"
@@ -31,14 +33,32 @@ void LookOptions::describe(OptionList& list) {
       "between two, at least, while people and animals cover less than 'many'; 0: every image");
   list.add("many", many, between(0, 1), "",
            "share of the image from which on it looks at every one");
+  list.add(
+      "nearer", nearer, between(0, 1), "",
+      "share of the image that has come nearer since the one before, from which on it looks at "
+      "once");
 }
 
 void LookOptions::check() const { check_options(*this); }
 
-bool LookSchedule::due(double time) {
+double LookSchedule::came_nearer(const cv::Mat& depth) {
+  constexpr int step = 16;         // pixels
+  constexpr float nearer = 0.25F;  // metres
+  cv::Mat now;
+  if (!depth.empty()) {
+    cv::resize(depth, now, {depth.cols / step, depth.rows / step}, 0, 0, cv::INTER_NEAREST);
+  }
+  std::swap(now, before_);
+  if (now.empty() || now.size() != before_.size()) return 0.0;
+  return cv::countNonZero((before_ > 0.0F) & (now > before_ + nearer)) /
+         static_cast<double>(now.total());
+}
+
+bool LookSchedule::due(double time, const cv::Mat& depth) {
+  const bool somebody_came = came_nearer(depth) >= options_.nearer;
   if (!start_ || time < last_look_) {
     start_ = time;
-  } else if (time - *start_ >= at_the_start && share_ < options_.many &&
+  } else if (time - *start_ >= at_the_start && share_ < options_.many && !somebody_came &&
              time - last_look_ < options_.interval) {
     return false;
   }

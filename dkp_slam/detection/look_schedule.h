@@ -18,6 +18,9 @@ struct LookOptions {
   /// image; every second one at 30 Hz. 0: every image.
   double interval = 0.05;
   double many = 0.15;
+  /// Share of the image that comes nearer from one image to the next by more than a hand moves the
+  /// camera: somebody steps into the view, and it looks at once.
+  double nearer = 0.08;
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound
@@ -28,14 +31,19 @@ class LookSchedule {
  public:
   explicit LookSchedule(const LookOptions& options) : options_(options) {}
 
-  /// Whether the image of `time` (seconds) is one of them; asked once for every image, in order.
-  /// After a gap, or when the clock was set back, it is.
-  bool due(double time);
+  /// Whether the image of `time` (seconds) is one of them; asked once for every image, in order,
+  /// with its depth (CV_32FC1, metres, 0 where unknown; may be empty). After a gap, or when the
+  /// clock was set back, it is.
+  bool due(double time, const cv::Mat& depth = {});
   /// What was seen in the image that was last due, which is of that size.
   void saw(const std::vector<Detection>& detections, const cv::Size& image);
 
  private:
+  /// Share of the image that is nearer than in the one before, which `depth` becomes.
+  double came_nearer(const cv::Mat& depth);
+
   LookOptions options_;
+  cv::Mat before_;               // depth of the image before, every 16th pixel
   std::optional<double> start_;  // seconds
   double last_look_ = 0.0;       // seconds
   double share_ = 1.0;           // of the image that people cover

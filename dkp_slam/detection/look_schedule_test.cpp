@@ -70,6 +70,28 @@ TEST(LookSchedule, GapsAndClocksThatAreSetBackAreLookedAtAtOnce) {
   EXPECT_THAT(due, ::testing::ElementsAre(true, true, false, true, false, true, false, true));
 }
 
+TEST(LookSchedule, SomebodyWhoStepsIntoTheViewIsLookedAtAtOnce) {
+  const cv::Mat room(480, 640, CV_32FC1, cv::Scalar(2.0F));
+  const auto with_somebody = [&](float depth) {
+    cv::Mat seen = room.clone();
+    seen(cv::Rect(0, 100, 160, 380)) = depth;  // a fifth of the image
+    return seen;
+  };
+  const auto asked = [&](const cv::Mat& next) {
+    LookSchedule schedule{LookOptions{}};
+    for (int i = 0; i < 30; ++i) {
+      if (schedule.due(i / 30.0, room)) schedule.saw({}, image);
+    }
+    return schedule.due(1.0, next);  // the first that it passes over
+  };
+  EXPECT_FALSE(asked(room));
+  EXPECT_TRUE(asked(with_somebody(1.0F)));
+  EXPECT_FALSE(asked(with_somebody(3.0F))) << "somebody who leaves";
+  EXPECT_FALSE(asked(with_somebody(0.0F))) << "unknown depth";
+  EXPECT_FALSE(asked(room * 0.95F)) << "the camera goes forward";
+  EXPECT_FALSE(asked(cv::Mat()));
+}
+
 TEST(LookSchedule, CanBeToldToLookAtEveryImage) {
   LookOptions options;
   options.interval = 0.0;

@@ -25,7 +25,9 @@ class YoloxDetector : public Detector {
 
   std::string name() const override { return "yolox (" + network_->name() + ")"; }
 
-  bool looks_at(const RgbdFrame& frame) override { return schedule_.due(frame.timestamp); }
+  bool looks_at(const RgbdFrame& frame) override {
+    return schedule_.due(frame.timestamp, frame.depth);
+  }
 
   std::vector<Detection> detect(const RgbdFrame& frame) override {
     if (frame.colour.empty() || frame.colour.type() != CV_8UC3) {
