@@ -40,6 +40,7 @@ Engine::Engine(const SlamConfig& config, std::optional<Map> stored)
                config.seed),
       dynamics_(config.camera, config.dynamics, config.seed),
       refill_(config.orb, refill_options(config)),
+      start_(map_),
       self_check_(map_, config.measurement) {
   for (int k = 0; k < first_keyframe_; ++k) {
     if (!map_.keyframe(k).removed) places_.add_keyframe(map_, k);
@@ -88,8 +89,16 @@ void Engine::localize(const PreparedFrame& prepared, FrameSnapshot& snapshot) {
   for (const FeatureDynamics& f : snapshot.dynamics.features)
     frame.is_static.push_back(f.is_static);
   back_end_.advance(frame.index);
+  if (frame.current_from_previous && start_.waits_for(frame)) {
+    start_.correct(frame, *frame.current_from_previous);
+  }
   const TrackingResult tracked = tracker_.track(frame, back_end_.adjusting());
-  if (tracked.keyframe_due) back_end_.insert_keyframe(frame);
+  if (tracked.keyframe_due) {
+    back_end_.insert_keyframe(frame);
+    if (!config_.localize_only && map_.live_keyframes_in(map_.current_map()) == 1) {
+      start_.remember(frame, prepared.orb, prepared.frame);
+    }
+  }
   if (tracked.localised) poses_.add(tracker_.settle(frame, tracked.keyframe_due));
 
   FrameResult& result = snapshot.result;

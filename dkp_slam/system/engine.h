@@ -15,6 +15,7 @@
 #include "dkp_slam/system/frame_result.h"
 #include "dkp_slam/system/pose_log.h"
 #include "dkp_slam/system/self_check.h"
+#include "dkp_slam/system/start_keyframe.h"
 #include "dkp_slam/tracking/tracker.h"
 
 namespace dkp_slam {
@@ -56,6 +57,7 @@ class Engine {
   PoseLog poses_;  // of all localised frames of this run
   DynamicsModule dynamics_;
   FeatureRefill refill_;
+  StartKeyframe start_;
   SelfCheck self_check_;
 };
 
