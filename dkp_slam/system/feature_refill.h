@@ -8,8 +8,8 @@ namespace dkp_slam {
 class OptionList;
 
 struct FeatureRefillOptions {
-  int below = 900;      ///< static features; an image with fewer gets more
-  int features = 1000;  ///< spread over what is not dynamic, with those that are known already
+  int below = 500;     ///< static features; an image with fewer gets more
+  int features = 800;  ///< spread over what is not dynamic, with those that are known already
   /// From what is dynamic, pixels: corners on an outline move with the person, and a descriptor
   /// takes in what lies 15 pixels (of its level) around.
   int margin = 14;
