@@ -15,7 +15,7 @@ std::vector<JoinedMaps> join_what_meets(Map& map) {
   for (int which = 0; which < map.maps(); ++which) {
     for (const int k : map.keyframes_in(which)) places.add_keyframe(map, k);
   }
-  const std::vector<JoinedMaps> joined = join_maps(map, places, model);
+  std::vector<JoinedMaps> joined = join_maps(map, places, model);
   for (const JoinedMaps& j : joined) adjust_map(map, model, j.kept, iterations);
   return joined;
 }
