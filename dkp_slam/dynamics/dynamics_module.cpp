@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <opencv2/imgproc.hpp>
+
 #include "dkp_slam/dynamics/compensation/object_flow.h"
 #include "dkp_slam/dynamics/masks/depth_view.h"
 #include "dkp_slam/dynamics/motion/static_support.h"
@@ -45,6 +47,7 @@ struct DynamicsModule::State {
   DynamicsParts parts;
   MotionHistory history;    // carries answers about earlier images
   cv::Mat previous_labels;  // Work::labels of the frame before
+  DepthView view;           // of the frame that was processed last
 
   std::vector<std::uint8_t> features_to_follow(const Work& work,
                                                const std::vector<cv::Rect2f>& hidden) const;
@@ -260,8 +263,18 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
 
   s.classify(work, result);
   if (s.parts.ego_motion && work.few_outside) s.measure_ego_motion_again(work, result);
+  s.view = std::move(work.view);
   result.removal_ms += watch.lap_ms();
   return result;
+}
+
+cv::Mat DynamicsModule::known_static(const cv::Mat& grey) const {
+  const State& s = *state_;
+  if (!s.parts.background || s.view.depth.empty()) return {};
+  const TraceSpan span("known static");
+  cv::Mat known;
+  cv::resize(s.parts.background->known(s.view, grey), known, s.size, 0, 0, cv::INTER_NEAREST);
+  return known;
 }
 
 }  // namespace dkp_slam

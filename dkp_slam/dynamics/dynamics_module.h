@@ -31,6 +31,10 @@ class DynamicsModule {
   FrameDynamics process(const RgbdFrame& frame, const cv::Mat& grey,
                         const std::vector<cv::KeyPoint>& keypoints, const DetectionResult& answer);
 
+  /// CV_8UC1, image size: 255 where the frame that was processed last, `grey`, shows a surface that
+  /// was seen standing still before. Empty in modes that do not remember any.
+  cv::Mat known_static(const cv::Mat& grey) const;
+
  private:
   struct State;
   std::unique_ptr<State> state_;

@@ -23,6 +23,7 @@ void SlamConfig::describe(OptionList& list) {
   list.add_part("measurement", measurement, "how observations are weighted");
   list.add_part("places", places, "finds keyframes that look like a frame");
   list.add_part("tracking", tracking, "the pose of every frame");
+  list.add_part("path", path, "the poses of all frames, once the last has come");
   list.add_part("mapping", mapping, "keyframes, landmarks, bundle adjustment");
   list.add_part("loop", loop, "finds and closes loops");
 }

@@ -11,6 +11,7 @@
 #include "dkp_slam/mapping/mapper.h"
 #include "dkp_slam/optimization/observation.h"
 #include "dkp_slam/system/feature_refill.h"
+#include "dkp_slam/tracking/path_smoother.h"
 #include "dkp_slam/tracking/tracker.h"
 
 namespace dkp_slam {
@@ -26,6 +27,7 @@ struct SlamConfig {
   MeasurementModel measurement;
   PlaceIndexOptions places;
   TrackerOptions tracking;
+  PathSmootherOptions path;
   MapperOptions mapping;
   LoopCloserOptions loop;
   bool close_loops = true;

@@ -23,7 +23,13 @@ TrackerOptions tracker_options(const SlamConfig& all) {
 
 FeatureRefillOptions refill_options(const SlamConfig& all) {
   FeatureRefillOptions options = all.refill;
-  if (!mode_info(all.dynamics.mode).own_tracking) options.below = 0;
+  if (!mode_info(all.dynamics.mode).own_tracking) options.below = options.known_below = 0;
+  return options;
+}
+
+PathSmootherOptions smoother_options(const SlamConfig& all) {
+  PathSmootherOptions options = all.path;
+  options.smooth = options.smooth && mode_info(all.dynamics.mode).own_tracking;
   return options;
 }
 
@@ -60,7 +66,9 @@ std::shared_ptr<FrameSnapshot> Engine::track(PreparedFrame prepared) {
       dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints, prepared.detections);
   {
     const TraceSpan span("refill");
-    refill_.refill(prepared.grey, prepared.orb, snapshot->dynamics);
+    refill_.refill(
+        prepared.grey, [&] { return dynamics_.known_static(prepared.grey); }, prepared.orb,
+        snapshot->dynamics);
   }
   const FrameDynamics& dynamics = snapshot->dynamics;
   result.clustering_ms = dynamics.clustering_ms;
@@ -139,13 +147,23 @@ std::vector<int> Engine::maps_in_use() const {
 std::vector<Trajectory> Engine::trajectories() const {
   const std::vector<int> used = maps_in_use();
   std::vector<Trajectory> paths(used.size());
+  std::vector<std::vector<PathPose>> tracked(used.size());
+  std::size_t before = used.size();
   poses_.for_each([&](const TrackedPose& p) {
     const int which = map_.keyframe(p.reference_keyframe).map;
-    const auto path = std::find(used.begin(), used.end(), which) - used.begin();
-    const Se3 camera_from_world =
-        p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe);
-    paths[static_cast<std::size_t>(path)].push_back({p.timestamp, camera_from_world.inverse()});
+    const auto path =
+        static_cast<std::size_t>(std::find(used.begin(), used.end(), which) - used.begin());
+    tracked[path].push_back({p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe),
+                             path == before ? p.from_previous : std::nullopt, p.landmarks});
+    paths[path].push_back({p.timestamp, {}});
+    before = path;
   });
+  for (std::size_t path = 0; path < paths.size(); ++path) {
+    smooth_path(tracked[path], smoother_options(config_));
+    for (std::size_t i = 0; i < paths[path].size(); ++i) {
+      paths[path][i].world_from_camera = tracked[path][i].camera_from_world.inverse();
+    }
+  }
   return paths;
 }
 

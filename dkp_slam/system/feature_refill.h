@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "dkp_slam/dynamics/frame_dynamics.h"
 #include "dkp_slam/feature/orb_extractor.h"
 
@@ -13,6 +15,10 @@ struct FeatureRefillOptions {
   /// From what is dynamic, pixels: corners on an outline move with the person, and a descriptor
   /// takes in what lies 15 pixels (of its level) around.
   int margin = 14;
+  /// The same where surfaces were seen standing still before: what a mask misses is none of these.
+  int known_below = 900;
+  int known_features = 600;
+  int known_inside = 4;  ///< pixels from what is not known: feet stand on a floor that is
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound
@@ -25,12 +31,15 @@ class FeatureRefill {
   FeatureRefill(const OrbOptions& orb, const FeatureRefillOptions& options);
 
   /// Appends to `features`, and their verdict (static) to `dynamics`, where too few of them are
-  /// static and what is doubtful hides others. `grey`: CV_8UC1, their image. Deterministic.
-  void refill(const cv::Mat& grey, OrbFeatures& features, FrameDynamics& dynamics) const;
+  /// static and what is doubtful hides others. `grey`: CV_8UC1, their image. `known`: asked where
+  /// it matters for the surfaces that are known to stand still, CV_8UC1 of the same size, not 0
+  /// there; empty: none. Deterministic.
+  void refill(const cv::Mat& grey, const std::function<cv::Mat()>& known, OrbFeatures& features,
+              FrameDynamics& dynamics) const;
 
  private:
   FeatureRefillOptions options_;
-  OrbExtractor extractor_;
+  OrbExtractor extractor_, known_extractor_;
 };
 
 }  // namespace dkp_slam

@@ -9,6 +9,8 @@
 namespace dkp_slam {
 namespace {
 
+cv::Mat nothing() { return {}; }
+
 /// Somebody in a checked shirt who leaves a fifth of the view free, at its right.
 class Crowded : public ::testing::Test {
  protected:
@@ -41,7 +43,7 @@ class Crowded : public ::testing::Test {
 TEST_F(Crowded, GetsItsFeaturesWhereTheRoomIsSeen) {
   const OrbFeatures before = features_;
   ASSERT_LT(remaining(), 250);
-  FeatureRefill({}, {}).refill(grey_, features_, dynamics_);
+  FeatureRefill({}, {}).refill(grey_, nothing, features_, dynamics_);
   EXPECT_GT(remaining(), 600);
   ASSERT_EQ(features_.keypoints.size(), dynamics_.features.size());
   ASSERT_EQ(features_.descriptors.size(), dynamics_.features.size());
@@ -63,17 +65,43 @@ TEST_F(Crowded, NeedsNoMoreWhereEnoughIsLeft) {
   FeatureRefillOptions options;
   options.below = remaining();
   const std::size_t before = features_.keypoints.size();
-  FeatureRefill({}, options).refill(grey_, features_, dynamics_);
+  FeatureRefill({}, options).refill(grey_, nothing, features_, dynamics_);
   EXPECT_EQ(features_.keypoints.size(), before);
   options.below = remaining() + 1;
-  FeatureRefill({}, options).refill(grey_, features_, dynamics_);
+  FeatureRefill({}, options).refill(grey_, nothing, features_, dynamics_);
   EXPECT_GT(features_.keypoints.size(), before);
+}
+
+TEST_F(Crowded, GetsMoreWhereTheRoomIsKnown) {
+  FeatureRefillOptions options;
+  options.below = 0;
+  const int before = remaining(), first = static_cast<int>(features_.keypoints.size());
+  const cv::Rect known(540, 100, 80, 300);
+  const auto surfaces = [&known] {
+    cv::Mat all = cv::Mat::zeros(480, 640, CV_8UC1);
+    all(known) = 255;
+    return all;
+  };
+  options.known_below = before;
+  FeatureRefill({}, options).refill(grey_, surfaces, features_, dynamics_);
+  EXPECT_EQ(remaining(), before);
+  options.known_below = before + 1;
+  FeatureRefill({}, options).refill(grey_, surfaces, features_, dynamics_);
+  EXPECT_GT(remaining(), before + 200);
+  for (std::size_t i = static_cast<std::size_t>(first); i < features_.keypoints.size(); ++i) {
+    const cv::Point2f& p = features_.keypoints[i].pt;
+    const float inside =
+        static_cast<float>(options.known_inside) - 3.0F;  // pixels of coarse levels
+    EXPECT_TRUE(p.x >= 540 + inside && p.x < 620 - inside && p.y >= 100 + inside &&
+                p.y < 400 - inside)
+        << p;
+  }
 }
 
 TEST_F(Crowded, IsLeftAloneWhereNobodyIs) {
   dynamics_.doubtful = cv::Mat();
   const std::size_t before = features_.keypoints.size();
-  FeatureRefill({}, {}).refill(grey_, features_, dynamics_);
+  FeatureRefill({}, {}).refill(grey_, nothing, features_, dynamics_);
   EXPECT_EQ(features_.keypoints.size(), before);
 }
 

@@ -7,6 +7,19 @@
 #include "dkp_slam/error.h"
 
 namespace dkp_slam {
+namespace {
+
+void write(const Se3& pose, double (&rotation)[4], double (&translation)[3]) {
+  Eigen::Map<Eigen::Vector4d>(rotation, 4) = pose.rotation.coeffs();  // x, y, z, w
+  Eigen::Map<Eigen::Vector3d>(translation, 3) = pose.translation;
+}
+
+Se3 pose_from(const double (&rotation)[4], const double (&translation)[3]) {
+  return {Eigen::Quaterniond(rotation[3], rotation[0], rotation[1], rotation[2]),
+          Eigen::Map<const Eigen::Vector3d>(translation, 3)};
+}
+
+}  // namespace
 
 void PoseLog::add(const TrackedPose& pose) {
   newest_.push_back(pose);
@@ -25,10 +38,10 @@ bool PoseLog::write_out() {
   std::vector<Record> records;
   records.reserve(newest_.size());
   for (const TrackedPose& p : newest_) {
-    const Eigen::Quaterniond& q = p.camera_from_reference.rotation;
-    const Eigen::Vector3d& t = p.camera_from_reference.translation;
-    records.push_back(
-        {p.timestamp, {q.x(), q.y(), q.z(), q.w()}, {t.x(), t.y(), t.z()}, p.reference_keyframe});
+    Record record{p.timestamp, {}, {}, {}, {}, p.reference_keyframe, p.landmarks};
+    write(p.camera_from_reference, record.rotation, record.translation);
+    if (p.from_previous) write(*p.from_previous, record.motion_rotation, record.motion_translation);
+    records.push_back(record);
   }
   // What an earlier failure left behind the last whole record is written over.
   if (std::fseek(file_.get(), static_cast<long>(written_ * sizeof(Record)), SEEK_SET) != 0 ||
@@ -53,10 +66,10 @@ void PoseLog::for_each(const std::function<void(const TrackedPose&)>& use) const
       TrackedPose pose;
       pose.timestamp = r.timestamp;
       pose.reference_keyframe = r.reference_keyframe;
-      pose.camera_from_reference.rotation =
-          Eigen::Quaterniond(r.rotation[3], r.rotation[0], r.rotation[1], r.rotation[2]);
-      pose.camera_from_reference.translation = {r.translation[0], r.translation[1],
-                                                r.translation[2]};
+      pose.landmarks = r.landmarks;
+      pose.camera_from_reference = pose_from(r.rotation, r.translation);
+      const Se3 motion = pose_from(r.motion_rotation, r.motion_translation);
+      if (motion.rotation.squaredNorm() > 0.0) pose.from_previous = motion;
       use(pose);
     }
     read += count;

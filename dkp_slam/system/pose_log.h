@@ -30,7 +30,9 @@ class PoseLog {
     double timestamp;
     double rotation[4];  // x, y, z, w
     double translation[3];
-    int reference_keyframe;
+    double motion_rotation[4];  // of from_previous; all zero: nothing
+    double motion_translation[3];
+    int reference_keyframe, landmarks;
   };
 
   bool write_out();

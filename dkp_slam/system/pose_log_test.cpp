@@ -8,7 +8,10 @@ namespace dkp_slam {
 namespace {
 
 TrackedPose pose_number(int i) {
-  return {0.1 * i, i / 7, testing::pose(0.01 * i, 1.0 / (i + 1), -2.0, 0.001 * i)};
+  TrackedPose pose{0.1 * i, i / 7, testing::pose(0.01 * i, 1.0 / (i + 1), -2.0, 0.001 * i),
+                   std::nullopt, 3 * i};
+  if (i % 3 > 0) pose.from_previous = testing::pose(1.0 / (i + 2), 0.01 * i, 2.0, 0.002 * i);
+  return pose;
 }
 
 TEST(PoseLog, GivesBackEveryPoseToTheLastBit) {
@@ -24,6 +27,11 @@ TEST(PoseLog, GivesBackEveryPoseToTheLastBit) {
         EXPECT_EQ(p.camera_from_reference.translation, expected.camera_from_reference.translation);
         EXPECT_EQ(p.camera_from_reference.rotation.coeffs(),
                   expected.camera_from_reference.rotation.coeffs());
+        EXPECT_EQ(p.landmarks, expected.landmarks);
+        ASSERT_EQ(p.from_previous.has_value(), expected.from_previous.has_value());
+        if (!p.from_previous) return;
+        EXPECT_EQ(p.from_previous->translation, expected.from_previous->translation);
+        EXPECT_EQ(p.from_previous->rotation.coeffs(), expected.from_previous->rotation.coeffs());
       });
       EXPECT_EQ(next, 95 * (round + 1));
       EXPECT_EQ(log.size(), static_cast<std::size_t>(next));

@@ -52,6 +52,7 @@ SlamConfig scaled_to_camera(const SlamConfig& config) {
   const SensorScale scale = SensorScale::of(config.camera);
   SlamConfig scaled = config;
   scaled.refill.margin = cvRound(scale.pixels * config.refill.margin);
+  scaled.refill.known_inside = cvRound(scale.pixels * config.refill.known_inside);
   if (scale.pixels < 1.0) {
     // What the pixel noise stands for (blur, lens, depth read beside the corner) is an angle. A
     // larger image shows its corners as sharply as it can: there it stays (measured: 1280 with

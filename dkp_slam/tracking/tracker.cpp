@@ -50,8 +50,10 @@ TrackedPose Tracker::settle(const Frame& frame, bool became_keyframe) {
     // The first of a map: what it made is what is tracked.
     if (tracked_landmarks_ == 0) tracked_landmarks_ = frame.tracked_landmarks();
   }
+  const bool follows = last_.index >= 0 && last_.index == frame.index - 1;
   remember(frame);
-  return {frame.timestamp, frame.reference_keyframe, last_from_reference_};
+  return {frame.timestamp, frame.reference_keyframe, last_from_reference_,
+          follows ? frame.current_from_previous : std::nullopt, tracked_landmarks_};
 }
 
 bool Tracker::localize(Frame& frame) {

@@ -65,6 +65,10 @@ struct TrackedPose {
   double timestamp = 0.0;
   int reference_keyframe = -1;
   Se3 camera_from_reference;
+  /// This camera from the camera at the pose before, by flow; nothing where that frame was not
+  /// localised or the motion was not measured.
+  std::optional<Se3> from_previous;
+  int landmarks = 0;  ///< that the pose rests on
 };
 
 /// What tracking a frame came to.

@@ -121,6 +121,10 @@ StaticBackground::Comparison StaticBackground::compare(const DepthView& view, co
   return found;
 }
 
+cv::Mat StaticBackground::known(const DepthView& view, const cv::Mat& grey) const {
+  return compare(view, grey, cv::Rect({0, 0}, view.depth.size())).known;
+}
+
 /// Takes what is known out of a mask, and what is then left of its rim.
 void StaticBackground::cut_known(const cv::Mat& known, cv::Mat& mask) const {
   cv::Mat cut = mask & known;

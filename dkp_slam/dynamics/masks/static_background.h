@@ -46,6 +46,8 @@ class StaticBackground {
   /// a frame tells: `view` and `grey` (CV_8UC1, image size).
   void correct(const DepthView& view, const cv::Mat& grey, const cv::Rect2f& box,
                ObjectMask& mask) const;
+  /// CV_8UC1, size of the view: 255 where what is seen is a surface that was seen standing still.
+  cv::Mat known(const DepthView& view, const cv::Mat& grey) const;
   /// Learns what lies outside of `hidden`, boxes in pixels of the image.
   void learn(const DepthView& view, const cv::Mat& grey, const std::vector<cv::Rect2f>& hidden,
              double time);

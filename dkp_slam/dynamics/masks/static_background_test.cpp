@@ -70,6 +70,18 @@ TEST_F(StaticBackgroundTest, GivesBackAMonitorAtAPersonsDepth) {
   EXPECT_GT(share(mask, person), 0.97);
 }
 
+TEST_F(StaticBackgroundTest, TellsWhichSurfacesStoodThere) {
+  StaticBackground background(camera_, {});
+  learn(background, 0.0, 1.0);
+  background.move(Se3());
+  put(cv::Rect(100, 60, 80, 120), 1.5F, 50);  // somebody, whom nobody told of
+  const cv::Mat known = background.known(view(), grey_);
+  ASSERT_EQ(known.size(), rays_.size());
+  const int step = DepthView::step;
+  EXPECT_EQ(cv::countNonZero(known(cv::Rect(100 / step, 60 / step, 80 / step, 120 / step))), 0);
+  EXPECT_EQ(share(known, cv::Rect(200 / step, 20 / step, 80 / step, 200 / step)), 1.0);
+}
+
 TEST_F(StaticBackgroundTest, KnowsNothingAtFirstSight) {
   StaticBackground background(camera_, StaticBackgroundOptions());
   put(monitor, 1.5F, 30);
