@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "apps/append_line.h"
-#include "apps/image_file.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/export/images/image_file.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/image_reader.h"
 

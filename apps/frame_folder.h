@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/ordered_work.h"
+#include "dkp_slam/export/images/ordered_work.h"
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/sensor/rgbd_frame.h"
 #include "dkp_slam/sensor/stream/channel.h"

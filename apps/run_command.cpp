@@ -14,13 +14,11 @@
 
 #include "apps/commands.h"
 #include "apps/config_options.h"
-#include "apps/file_observer.h"
 #include "apps/live_path.h"
 #include "apps/preloaded_source.h"
 #include "apps/process.h"
 #include "apps/progress.h"
 #include "apps/run_dense.h"
-#include "apps/run_map.h"
 #include "apps/run_masks.h"
 #include "apps/run_options.h"
 #include "apps/run_overlay.h"
@@ -36,6 +34,8 @@
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/kinect/kinect_source.h"
+#include "dkp_slam/system/file_observer.h"
+#include "dkp_slam/system/map_file/run_map.h"
 #include "dkp_slam/system/playback.h"
 #include "dkp_slam/system/slam.h"
 #include "dkp_slam/trace.h"
@@ -323,6 +323,9 @@ void run(RunOptions options) {
   observers.join(slam, with_map);
   if (dense) dense->join(slam);
   if (view) view->join(slam);
+  if (view && dense) {
+    view->scene().show(std::make_shared<viewer::FusedCloud>(dense->map()));
+  }
   PlaybackOptions playback;
   playback.rate = rate_of(options, config);
   playback.one_at_a_time = options.one_at_a_time;
@@ -349,7 +352,10 @@ void run(RunOptions options) {
   observers.path->remove();
   if (view) view->scene().finish(result.trajectory);
   std::fputs(summary_text(result, options.out).c_str(), stdout);
-  if (dense) dense->write();
+  if (dense) {
+    dense->write();
+    if (view) view->scene().touch();  // the last of it was fused just now
+  }
   std::fflush(stdout);
   if (trace) trace->finish();
   if (view && options.view.stay) view->stay();

@@ -15,6 +15,7 @@ class RunDense {
   RunDense(const DenseFiles& files, const SlamConfig& config);
 
   void join(Slam& slam) const;
+  const std::shared_ptr<LiveDenseMap>& map() const { return dense_; }
   /// After Slam::finish. Throws `Error` where there is nothing to write or it cannot be written.
   void write() const;
 

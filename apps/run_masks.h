@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/file_observer.h"
+#include "dkp_slam/system/file_observer.h"
 
 namespace dkp_slam::apps {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/file_observer.h"
+#include "dkp_slam/system/file_observer.h"
 
 namespace dkp_slam::apps {
 

@@ -1,6 +1,5 @@
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,27 +7,18 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
 #include "apps/progress.h"
-#include "apps/sequence_writer.h"
 #include "apps/whole_number.h"
 #include "dkp_slam/error.h"
-#include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/geometry/sensor_scale.h"
-#include "dkp_slam/json_text.h"
 #include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/synth/folder/synthetic_folder.h"
 #include "dkp_slam/synth/source.h"
-#include "dkp_slam/version.h"
 
 namespace dkp_slam::apps {
 namespace {
-
-namespace fs = std::filesystem;
-
-// Written first and by nothing else: a folder that holds it may be replaced.
-const std::string marker = "synth.json";
 
 struct SynthArguments {
   std::string scenario;
@@ -46,33 +36,6 @@ struct SynthArguments {
   DepthCorrection depth;
   bool force = false;
 };
-
-/// Throws unless `prepare_folder` may empty this folder of what this command writes.
-void check_folder(const fs::path& out, bool force) {
-  std::error_code unreadable;
-  if (!fs::exists(out, unreadable)) return;
-  if (!fs::is_directory(out, unreadable)) {
-    throw Error(out.string() + ": is no folder; give another --out");
-  }
-  if (!fs::is_empty(out, unreadable) && !fs::exists(out / marker, unreadable) && !force) {
-    throw Error(
-        fmt::format("{}: is not empty and was not made by this command; give another "
-                    "--out, or --force to write into it",
-                    out.string()));
-  }
-}
-
-/// Makes the output folder with nothing of ours in it.
-void prepare_folder(const fs::path& out) {
-  try {
-    fs::create_directories(out);
-    check_writable(out / marker);
-    for (const std::string& name : SequenceWriter::names()) fs::remove_all(out / name);
-  } catch (const fs::filesystem_error& error) {
-    throw Error(
-        fmt::format("{}: cannot prepare the folder: {}", out.string(), error.code().message()));
-  }
-}
 
 SyntheticOptions options_of(const SynthArguments& arguments) {
   SyntheticOptions options = synthetic_scenario(arguments.scenario);
@@ -96,58 +59,20 @@ SyntheticOptions options_of(const SynthArguments& arguments) {
   return options;
 }
 
-void write_description(const SynthArguments& arguments, std::size_t frames) {
-  const nlohmann::ordered_json description = {
-      {"program", std::string("dkp-slam ") + DKP_SLAM_VERSION},
-      {"scenario", arguments.scenario},
-      {"seed", arguments.seed},
-      {"frames", frames},
-      {"width", arguments.width},
-      {"height", arguments.height},
-      {"rate", arguments.rate},
-      {"trajectory", arguments.trajectory},
-      {"noise", arguments.noise},
-      {"rolling_shutter", arguments.rolling_shutter},
-      {"readout", arguments.readout.value_or(arguments.rolling_shutter ? 0.020 : 0.0)},
-      {"depth_scale", arguments.depth_scale},
-      {"depth_delay", arguments.depth.delay},
-      {"depth_bias", arguments.depth.bias}};
-  write_file_atomically(fs::path(arguments.out) / marker, json_text(description) + "\n");
-}
-
-/// Returns how many frames were written. Where one cannot be, those before it are listed all the
-/// same: without lists they would be images and no sequence.
-std::size_t write_frames(SyntheticSource& source, std::size_t frames, SequenceWriter& writer,
-                         const SynthArguments& arguments) {
-  Progress progress("synth " + arguments.scenario, frames);
-  std::size_t done = 0;
-  try {
-    while (!interrupted()) {
-      const auto frame = source.read();
-      if (!frame) break;
-      writer.add(*frame, source.truth());
-      progress.update(++done);
-    }
-    writer.finish(source);
-  } catch (const Error& error) {
-    writer.finish(source);
-    throw Error(fmt::format("{} ({} holds the frames before it)", error.what(), arguments.out));
-  }
-  return done;
-}
-
 void synthesize(const SynthArguments& arguments) {
   catch_interrupts();
   // What can be wrong is found before the folder is touched, and the cheap part of it first: to
   // light the rooms takes seconds.
   const SyntheticOptions options = options_of(arguments);
-  check_folder(arguments.out, arguments.force);
+  check_synthetic_folder(arguments.out, arguments.force);
   SyntheticSource source(options);
   const std::size_t frames = *source.size();
-  prepare_folder(arguments.out);
-  write_description(arguments, frames);
-  SequenceWriter writer(arguments.out, options.camera, arguments.depth);
-  const std::size_t done = write_frames(source, frames, writer, arguments);
+  Progress progress("synth " + arguments.scenario, frames);
+  const std::size_t done =
+      write_synthetic_folder(arguments.out, options, source, [&](std::size_t written) {
+        if (written > 0) progress.update(written);
+        return !interrupted();
+      });
   if (done < frames) {
     throw Error(fmt::format("interrupted after {} of {} frames; {} holds these", done, frames,
                             arguments.out));

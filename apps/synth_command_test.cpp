@@ -13,13 +13,13 @@
 
 #include "apps/commands.h"
 #include "apps/progress.h"
-#include "apps/sequence_writer.h"
 #include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/geometry/sensor_scale.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
+#include "dkp_slam/synth/folder/sequence_writer.h"
 #include "dkp_slam/synth/source.h"
 
 namespace dkp_slam::apps {

@@ -107,6 +107,7 @@ void add_view_command(CLI::App& program) {
   command->add_option("--out", arguments->run.out,
                       "Folder for the results, as of a run; without it none are kept");
   add_run_options(*command, arguments->run);
+  add_dense_file_options(*command, arguments->run.dense);
   command->callback([arguments, command] {
     if (fs::is_regular_file(arguments->run.sequence) && !is_bag_file(arguments->run.sequence)) {
       check_for_map(*command);

@@ -4,7 +4,7 @@
 # Every static library of the core so far. Their objects, so that nothing is left out; Ceres, which
 # is static, is linked here once and belongs to nobody else's link line.
 get_property(core GLOBAL PROPERTY DKP_SLAM_LIBRARIES)
-list(FILTER core EXCLUDE REGEX "^dkp_slam_(evaluation|synth|dense_octomap|sensor_bag|sensor_kinect|sensor_layout)")
+list(FILTER core EXCLUDE REGEX "^dkp_slam_(evaluation|export_images|synth|dense_octomap|sensor_bag|sensor_kinect|sensor_layout)")
 set(objects ${core})
 list(TRANSFORM objects REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>")
 add_library(dkp_slam SHARED ${objects})

@@ -15,7 +15,7 @@ using PoseStamped = geometry_msgs::PoseStamped_<Allocator<void>>;
 using TransformStamped = geometry_msgs::TransformStamped_<Allocator<void>>;
 using Field = sensor_msgs::PointField_<Allocator<void>>;
 
-Pose pose_of(const Se3& pose) {
+Pose message_of(const Se3& pose) {
   Pose message;
   message.position.x = pose.translation.x();
   message.position.y = pose.translation.y();
@@ -49,8 +49,9 @@ PointCloud empty_cloud(std::size_t points, const std::vector<const char*>& field
   return cloud;
 }
 
-void put(PointCloud& cloud, std::size_t point, const Eigen::Vector3f& world) {
-  const Eigen::Vector3f at = (ros_from_world() * world.cast<double>()).cast<float>();
+void put(PointCloud& cloud, std::size_t point, const Eigen::Vector3f& world,
+         const Se3& map_from_world) {
+  const Eigen::Vector3f at = (map_from_world * world.cast<double>()).cast<float>();
   std::memcpy(&cloud.data[point * cloud.point_step], at.data(), sizeof(float) * 3);
 }
 
@@ -62,11 +63,11 @@ Se3 ros_from_world() {
   return {Eigen::Quaterniond(axes), Eigen::Vector3d::Zero()};
 }
 
-PoseMessage pose_message(const FrameResult& result, const Header& header) {
+PoseMessage pose_message(const FrameResult& result, const MapFrame& map) {
   PoseMessage message;
-  message.header = header;
-  const Se3 pose = ros_from_world() * result.world_from_camera;
-  message.pose.pose = pose_of(pose);
+  message.header = map.header;
+  const Se3 pose = map.from_world * result.world_from_camera;
+  message.pose.pose = message_of(pose);
   // Ours is along the camera's axes.
   Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = pose.rotation.toRotationMatrix();
@@ -76,12 +77,12 @@ PoseMessage pose_message(const FrameResult& result, const Header& header) {
   return message;
 }
 
-TransformMessage transform_message(const FrameResult& result, const Header& header,
-                                   const std::string& camera_frame) {
-  const Pose pose = pose_of(ros_from_world() * result.world_from_camera);
+TransformMessage transform_message(const FrameResult& result, const MapFrame& map,
+                                   const std::string& child, const Se3& camera_from_child) {
+  const Pose pose = message_of(map.from_world * result.world_from_camera * camera_from_child);
   TransformStamped transform;
-  transform.header = header;
-  transform.child_frame_id = camera_frame;
+  transform.header = map.header;
+  transform.child_frame_id = child;
   transform.transform.translation.x = pose.position.x;
   transform.transform.translation.y = pose.position.y;
   transform.transform.translation.z = pose.position.z;
@@ -91,29 +92,29 @@ TransformMessage transform_message(const FrameResult& result, const Header& head
   return message;
 }
 
-PathMessage path_message(const Trajectory& path, const Header& header) {
+PathMessage path_message(const Trajectory& path, const MapFrame& map) {
   PathMessage message;
-  message.header = header;
+  message.header = map.header;
   for (const StampedPose& pose : path) {
     PoseStamped stamped;
-    stamped.header = header;
+    stamped.header = map.header;
     stamped.header.stamp = ros::Time(pose.timestamp);
-    stamped.pose = pose_of(ros_from_world() * pose.world_from_camera);
+    stamped.pose = message_of(map.from_world * pose.world_from_camera);
     message.poses.push_back(stamped);
   }
   return message;
 }
 
-PointCloud cloud_message(const std::vector<Eigen::Vector3f>& points, const Header& header) {
-  PointCloud cloud = empty_cloud(points.size(), {"x", "y", "z"}, header);
-  for (std::size_t i = 0; i < points.size(); ++i) put(cloud, i, points[i]);
+PointCloud cloud_message(const std::vector<Eigen::Vector3f>& points, const MapFrame& map) {
+  PointCloud cloud = empty_cloud(points.size(), {"x", "y", "z"}, map.header);
+  for (std::size_t i = 0; i < points.size(); ++i) put(cloud, i, points[i], map.from_world);
   return cloud;
 }
 
-PointCloud cloud_message(const SurfaceMesh& mesh, const Header& header) {
-  PointCloud cloud = empty_cloud(mesh.vertices.size(), {"x", "y", "z", "rgb"}, header);
+PointCloud cloud_message(const SurfaceMesh& mesh, const MapFrame& map) {
+  PointCloud cloud = empty_cloud(mesh.vertices.size(), {"x", "y", "z", "rgb"}, map.header);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    put(cloud, i, mesh.vertices[i]);
+    put(cloud, i, mesh.vertices[i], map.from_world);
     const auto& c = mesh.colours[i];
     // As PCL and RViz have it: a float whose bits are 0x00RRGGBB.
     const std::uint32_t rgb = std::uint32_t{c[0]} << 16U | std::uint32_t{c[1]} << 8U | c[2];
@@ -122,16 +123,16 @@ PointCloud cloud_message(const SurfaceMesh& mesh, const Header& header) {
   return cloud;
 }
 
-OccupancyGridMessage grid_message(const OccupancyGrid& grid, const Header& header) {
+OccupancyGridMessage grid_message(const OccupancyGrid& grid, const MapFrame& map) {
   constexpr std::int8_t occupied = 100, free = 0, unknown = -1;
   OccupancyGridMessage message;
-  message.header = header;
-  message.info.map_load_time = header.stamp;
+  message.header = map.header;
+  message.info.map_load_time = map.header.stamp;
   message.info.resolution = static_cast<float>(grid.resolution);
   message.info.width = static_cast<std::uint32_t>(grid.cells.cols);
   message.info.height = static_cast<std::uint32_t>(grid.cells.rows);
   const Se3 corner(Eigen::Quaterniond::Identity(), {grid.origin.x(), grid.origin.y(), 0.0});
-  message.info.origin = pose_of(ros_from_world() * grid.level_from_world.inverse() * corner);
+  message.info.origin = message_of(map.from_world * grid.level_from_world.inverse() * corner);
   for (int y = grid.cells.rows - 1; y >= 0; --y) {  // a message begins at the smallest y
     for (int x = 0; x < grid.cells.cols; ++x) {
       const auto cell = static_cast<GridCell>(grid.cells.at<std::uint8_t>(y, x));
@@ -141,6 +142,12 @@ OccupancyGridMessage grid_message(const OccupancyGrid& grid, const Header& heade
     }
   }
   return message;
+}
+
+Se3 pose_of(const Transform& transform) {
+  const auto& r = transform.rotation;
+  const auto& t = transform.translation;
+  return {Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized(), {t.x, t.y, t.z}};
 }
 
 StringMessage state_message(const FrameResult& result) {

@@ -31,15 +31,24 @@ using TransformMessage = tf2_msgs::TFMessage_<Allocator<void>>;
 /// y left, z up), which stands upright if the first camera did.
 Se3 ros_from_world();
 
-/// Of the camera's optical frame; the covariance about the fixed axes of the header's frame.
-PoseMessage pose_message(const FrameResult& result, const Header& header);
-TransformMessage transform_message(const FrameResult& result, const Header& header,
-                                   const std::string& camera_frame);
-PathMessage path_message(const Trajectory& path, const Header& header);
-PointCloud cloud_message(const std::vector<Eigen::Vector3f>& points, const Header& header);
+/// A map of the atlas as others are told of it.
+struct MapFrame {
+  Header header;
+  Se3 from_world = ros_from_world();  ///< to the header's frame
+};
+
+/// Of the camera's optical frame; the covariance about the fixed axes of the map's frame.
+PoseMessage pose_message(const FrameResult& result, const MapFrame& map);
+/// Where `child` is, which lies at `camera_from_child`.
+TransformMessage transform_message(const FrameResult& result, const MapFrame& map,
+                                   const std::string& child, const Se3& camera_from_child);
+PathMessage path_message(const Trajectory& path, const MapFrame& map);
+PointCloud cloud_message(const std::vector<Eigen::Vector3f>& points, const MapFrame& map);
 /// With colours.
-PointCloud cloud_message(const SurfaceMesh& mesh, const Header& header);
-OccupancyGridMessage grid_message(const OccupancyGrid& grid, const Header& header);
+PointCloud cloud_message(const SurfaceMesh& mesh, const MapFrame& map);
+OccupancyGridMessage grid_message(const OccupancyGrid& grid, const MapFrame& map);
+/// As the library has it.
+Se3 pose_of(const Transform& transform);
 /// One line of JSON: {"stamp": ..., "state": "tracking", ...}.
 StringMessage state_message(const FrameResult& result);
 

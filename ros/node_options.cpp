@@ -62,7 +62,12 @@ void NodeOptions::describe(OptionList& list) {
   list.add("queue", queue, at_least(1), "", "messages that may wait for the node");
   list.add("map_frame", map_frame, "tf frame of the world");
   list.add("camera_frame", camera_frame, "tf frame of the camera; empty: that of the images");
-  list.add("publish_tf", publish_tf, "whether map_frame to camera_frame goes to tf");
+  list.add("base_frame", base_frame,
+           "tf frame of the robot, to which /tf_static leads from the camera; empty: none");
+  list.add("map_file", map_file,
+           "to go on with and keep up to date; with localize_only to find the camera in");
+  list.add("publish_tf", publish_tf,
+           "whether map_frame to base_frame, or to camera_frame, goes to tf");
   list.add("map_interval", map_interval, above(0.0), "seconds", "from one path and landmarks on");
   list.add("dense_interval", dense_interval, above(0.0), "seconds",
            "from one cloud and grid on, at least");
@@ -96,6 +101,9 @@ NodeParameters read_parameters() {
   }
   node.check();
   slam.check();
+  if (parameters.slam.localize_only && parameters.node.map_file.empty()) {
+    throw Error("~localize_only: needs a map to find the camera in; give its file with ~map_file");
+  }
   return parameters;
 }
 

@@ -16,7 +16,9 @@ struct NodeOptions {
   double max_difference = 0.02;
   int queue = 30;
   std::string map_frame = "map";
-  std::string camera_frame;  ///< empty: that of the colour images
+  std::string camera_frame;        ///< empty: that of the colour images
+  std::string base_frame;          ///< empty: tf has the camera itself
+  std::filesystem::path map_file;  ///< empty: the map is not kept
   bool publish_tf = true;
   double map_interval = 1.0;
   double dense_interval = 5.0;

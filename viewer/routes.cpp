@@ -78,6 +78,14 @@ void Routes::add_to(httplib::Server& http) {
     if (!cloud) return refuse(response, {404, "no cloud is kept of this keyframe"});
     response.set_content(*cloud, binary);
   });
+  http.Get("/api/fused", [this](const Request& q, Response& response) {
+    const auto cloud = scene_->fused_cloud(parameter(q, "map", 0));
+    if (cloud) {
+      response.set_content(*cloud, binary);
+    } else {
+      response.status = 204;
+    }
+  });
   http.Get("/api/error", [this](const Request&, Response& response) {
     const auto report = scene_->error();
     if (!report) return refuse(response, {404, "the true path is not known"});
@@ -128,7 +136,7 @@ void Routes::update(const Request& request, Response& response) const {
   PageState page;
   page.run = request.get_param_value("run");
   page.frame = parameter(request, "frame", -1);
-  page.path = parameter(request, "path", 0);
+  page.path = parameter<std::uint64_t>(request, "path", 0);
   page.map = parameter<std::uint64_t>(request, "map", 0);
   page.message = parameter(request, "message", 0);
   response.set_content(scene_->update(page, playback()), binary);

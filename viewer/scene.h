@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -15,6 +14,8 @@
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/geometry/stamped_pose.h"
 #include "dkp_slam/system/observer.h"
+#include "viewer/frame_rows.h"
+#include "viewer/fused_cloud.h"
 #include "viewer/history.h"
 #include "viewer/map_model.h"
 #include "viewer/picture.h"
@@ -34,23 +35,17 @@ struct SceneInfo {
 
 /// What a page has already; see Scene::update.
 struct PageState {
-  std::string run;        ///< empty: nothing
-  int frame = -1;         ///< the last one
-  int path = 0;           ///< version of the path
-  std::uint64_t map = 0;  ///< version of the map
-  int message = 0;        ///< how many
+  std::string run;         ///< empty: nothing
+  int frame = -1;          ///< the last one
+  std::uint64_t path = 0;  ///< version of the path
+  std::uint64_t map = 0;   ///< version of the map
+  int message = 0;         ///< how many
 };
 
 /// Everything that pages show. The run puts in, pages take out what they lack; nothing is kept per
 /// page, so that a slow one gets newer data and no queue. Any thread may call anything.
 class Scene {
  public:
-  /// Numbers per frame in the section "frames" of an update, float32: index, seconds since the
-  /// first frame, localised, state, map, position (3), rotation (x, y, z, w), features, removed,
-  /// landmarks, detections, carried objects, keyframe, milliseconds of decode, features,
-  /// detection, masks, removal, tracking and the whole frame.
-  static constexpr std::size_t columns = 25;
-
   explicit Scene(SceneInfo info);
 
   void add_frame(const std::shared_ptr<const FrameSnapshot>& snapshot);
@@ -65,6 +60,10 @@ class Scene {
   /// What `page` lacks, as a Container: see docs/view.md. `playback`: goes in as it is.
   std::string update(const PageState& page, const nlohmann::json& playback) const;
   PictureStore::Picture picture(std::optional<int> frame);
+  /// The dense cloud is that of the run's dense map, instead of the keyframes' own.
+  void show(std::shared_ptr<FusedCloud> fused);
+  /// See there; null where the run fuses nothing (yet).
+  std::shared_ptr<const std::string> fused_cloud(int map) const;
   /// Of a keyframe; null where none is kept.
   std::shared_ptr<const std::string> cloud(int keyframe) const;
   /// See TruthComparison::report; null where the truth is not known.
@@ -76,12 +75,6 @@ class Scene {
   void touch();
 
  private:
-  using Row = std::array<float, columns>;
-
-  static Row row_of(const FrameResult& result, double start);
-  Trajectory path() const;
-  void write_frames(const PageState& page, nlohmann::json& head, Container& container) const;
-
   const SceneInfo info_;
   const std::string run_;  // unlike that of any other
   TruthComparison truth_;
@@ -90,12 +83,11 @@ class Scene {
   mutable std::condition_variable changed_;
   std::uint64_t tick_ = 1;
   bool finished_ = false;
-  int path_version_ = 0;
-  std::optional<double> start_;  // time stamp of the first frame
-  ThinnedHistory<Row> frames_;
+  FrameRows frames_;
   MapModel map_;
   std::pair<int, std::shared_ptr<const std::string>> next_cloud_{-1, nullptr};  // by frame
   ThinnedHistory<std::shared_ptr<const std::string>> clouds_;                   // by keyframe
+  std::shared_ptr<FusedCloud> fused_;
   struct Message {
     int number = 0;
     std::string level, text;

@@ -15,6 +15,7 @@ namespace {
 
 using dkp_slam::testing::head_of;
 using dkp_slam::testing::section_of;
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
 
@@ -48,9 +49,18 @@ KeyframeState keyframe(int id, int first_landmark, int landmarks) {
 
 constexpr auto column = [](const std::vector<float>& rows, std::size_t which) {
   std::vector<float> values;
-  for (std::size_t i = which; i < rows.size(); i += Scene::columns) values.push_back(rows[i]);
+  for (std::size_t i = which; i < rows.size(); i += FrameRows::columns) values.push_back(rows[i]);
   return values;
 };
+
+/// A column of the frames that moved.
+std::vector<float> moved(const std::string& update, std::size_t which) {
+  const auto rows = section_of<float>(update, "moved");
+  std::vector<float> values;
+  for (std::size_t i = which; i < rows.size(); i += FrameRows::moved_columns)
+    values.push_back(rows[i]);
+  return values;
+}
 
 /// What a page knows once it has taken an update in.
 PageState after(const std::string& update) {
@@ -81,7 +91,7 @@ TEST(Scene, APageGetsWhatItLacks) {
   PageState of_another_run = after(second);
   of_another_run.run = "other";
   EXPECT_THAT(section_of<float>(scene.update(of_another_run, nullptr), "frames"),
-              SizeIs(3 * Scene::columns));
+              SizeIs(3 * FrameRows::columns));
 }
 
 TEST(Scene, AtTheEndThePathIsTheAdjustedOne) {
@@ -96,8 +106,65 @@ TEST(Scene, AtTheEndThePathIsTheAdjustedOne) {
   scene.finish(adjusted);
   const std::string update = scene.update(page, nullptr);
   EXPECT_EQ(head_of(update)["finished"], true);
-  EXPECT_EQ(head_of(update)["path_reset"], true);
-  EXPECT_THAT(column(section_of<float>(update, "frames"), 5), ElementsAre(10.0F, 11.0F, 12.0F));
+  EXPECT_EQ(head_of(update)["path_reset"], false);
+  EXPECT_THAT(moved(update, 0), ElementsAre(0.0F, 1.0F, 2.0F));
+  EXPECT_THAT(moved(update, 2), ElementsAre(10.0F, 11.0F, 12.0F));
+}
+
+/// Keyframe `id` at x, of a map.
+KeyframeState keyframe_at(int id, double x, int map = 0) {
+  KeyframeState state;
+  state.id = id;
+  state.map = map;
+  state.camera_from_world.translation.x() = -x;
+  return state;
+}
+
+TEST(Scene, FramesMoveWithTheKeyframesThatTheyHangOn) {
+  Scene scene({});
+  for (int i = 0; i < 6; ++i) {
+    // Two keyframes, at frames 0 and 3; the others hang on the last one.
+    const auto snapshot = frame(i);
+    snapshot->result.reference_keyframe = i / 3;
+    snapshot->result.camera_from_reference.translation.x() = -(i % 3);
+    scene.add_frame(snapshot);
+    if (i % 3 == 0) {
+      KeyframeSnapshot keyframe;
+      keyframe.id = i / 3;
+      keyframe.world_from_camera.translation.x() = i;
+      scene.add_keyframe(keyframe);
+    }
+  }
+  PageState page = after(scene.update({}, nullptr));
+  MapChange change;
+  change.keyframes = {keyframe_at(0, 0.0), keyframe_at(1, 3.002)};
+  scene.apply(change);  // too little to be told
+  EXPECT_THAT(moved(scene.update(page, nullptr), 0), SizeIs(0));
+  change.keyframes = {keyframe_at(1, 4.0)};
+  scene.apply(change);
+  std::string update = scene.update(page, nullptr);
+  EXPECT_EQ(head_of(update)["path_reset"], false);
+  EXPECT_THAT(section_of<float>(update, "frames"), SizeIs(0));
+  EXPECT_THAT(moved(update, 0), ElementsAre(3.0F, 4.0F, 5.0F));
+  EXPECT_THAT(moved(update, 2), ElementsAre(4.0F, 5.0F, 6.0F));
+  // A page that has less gets the rest as it lies now.
+  PageState behind = page;
+  behind.frame = 3;
+  update = scene.update(behind, nullptr);
+  EXPECT_THAT(moved(update, 0), ElementsAre(3.0F));
+  EXPECT_THAT(column(section_of<float>(update, "frames"), 5), ElementsAre(5.0F, 6.0F));
+  page = after(scene.update(page, nullptr));
+  EXPECT_THAT(moved(scene.update(page, nullptr), 0), SizeIs(0));
+  // A keyframe that goes leaves its frames to the one before it; a merge takes both elsewhere.
+  change = {};
+  change.removed_keyframes = {1};
+  scene.apply(change);
+  change = {};
+  change.keyframes = {keyframe_at(0, 10.0, 2)};
+  scene.apply(change);
+  update = scene.update(page, nullptr);
+  EXPECT_THAT(moved(update, 1), Each(2.0F));
+  EXPECT_THAT(moved(update, 2), ElementsAre(10.0F, 11.0F, 12.0F, 14.0F, 15.0F, 16.0F));
 }
 
 TEST(Scene, TellsOfTheMapWhatChanged) {

@@ -107,9 +107,13 @@ void Engine::localize(const PreparedFrame& prepared, FrameSnapshot& snapshot) {
       start_.remember(frame, prepared.orb, prepared.frame);
     }
   }
-  if (tracked.localised) poses_.add(tracker_.settle(frame, tracked.keyframe_due));
-
   FrameResult& result = snapshot.result;
+  if (tracked.localised) {
+    const TrackedPose pose = tracker_.settle(frame, tracked.keyframe_due);
+    poses_.add(pose);
+    result.reference_keyframe = pose.reference_keyframe;
+    result.camera_from_reference = pose.camera_from_reference;
+  }
   result.tracking_ms = watch.ms();
   result.state = tracker_.state();
   result.localised = tracked.localised;

@@ -41,6 +41,10 @@ struct FrameResult {
   /// move it, see Slam::trajectory. Only where `localised`.
   Se3 world_from_camera;
   int map = 0;  ///< which of the atlas' maps
+  /// The same relative to the keyframe that it was found by, -1 where not localised: with that
+  /// one's pose as it is known later (MapChange) it follows loops and adjustments.
+  int reference_keyframe = -1;
+  Se3 camera_from_reference;
   int features = 0;
   int removed_features = 0;   ///< called dynamic
   int tracked_landmarks = 0;  ///< inliers that the pose rests on; 0 where motion carried it

@@ -50,12 +50,12 @@ from ._core import (
 from ._trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from ._synth import SyntheticFrame, SyntheticSequence, scenarios, synth
+    from ._synth import SyntheticFrame, SyntheticSequence, scenarios, synth, write_synth
 
 __version__: str = _core.__version__
 
 # The generated world brings its own libraries, which are loaded when it is asked for.
-_of_synth = ("SyntheticFrame", "SyntheticSequence", "scenarios", "synth")
+_of_synth = ("SyntheticFrame", "SyntheticSequence", "scenarios", "synth", "write_synth")
 
 __all__ = [
     "AbsoluteError",

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from os import PathLike
+
 import numpy as np
 import numpy.typing as npt
 
@@ -38,4 +40,17 @@ def synth(
     noise: bool = True,
     rolling_shutter: bool = False,
 ) -> SyntheticSequence: ...
+def write_synth(
+    folder: str | PathLike[str],
+    scenario: str = "walking_xyz",
+    frames: int | None = None,
+    *,
+    seed: int = 1,
+    width: int = 640,
+    height: int = 480,
+    rate: float = 30.0,
+    noise: bool = True,
+    rolling_shutter: bool = False,
+    force: bool = False,
+) -> int: ...
 def scenarios() -> dict[str, str]: ...

@@ -1,13 +1,16 @@
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/geometry/sensor_scale.h"
+#include "dkp_slam/synth/folder/synthetic_folder.h"
 #include "dkp_slam/synth/source.h"
 #include "dkp_slam/synth/true_detections.h"
 #include "python/src/arrays.h"
@@ -60,6 +63,28 @@ std::unique_ptr<SequenceObject> make_sequence(const std::string& scenario,
       options_of(scenario, frames, seed, width, height, rate, noise, rolling_shutter);
   const py::gil_scoped_release release;
   return std::make_unique<SequenceObject>(options);
+}
+
+/// Returns frames written; ends with what a signal raises, the frames before it listed.
+std::size_t write_sequence(const std::filesystem::path& folder, const std::string& scenario,
+                           std::optional<std::size_t> frames, std::uint64_t seed, int width,
+                           int height, double rate, bool noise, bool rolling_shutter, bool force) {
+  const SyntheticOptions options =
+      options_of(scenario, frames, seed, width, height, rate, noise, rolling_shutter);
+  bool interrupted = false;
+  std::size_t written = 0;
+  {
+    const py::gil_scoped_release release;
+    check_synthetic_folder(folder, force);
+    SyntheticSource source(options);
+    written = write_synthetic_folder(folder, options, source, [&](std::size_t) {
+      const py::gil_scoped_acquire gil;
+      interrupted = PyErr_CheckSignals() != 0;
+      return !interrupted;
+    });
+  }
+  if (interrupted) throw py::error_already_set();
+  return written;
 }
 
 SyntheticFrameObject next_frame(SequenceObject& self) {
@@ -141,6 +166,16 @@ PYBIND11_MODULE(_synth, module) {
 The frames of `dkp-slam synth`, with what is true of them, and without files. scenario: one of
 scenarios(). frames: None takes as many as it lasts. noise: a Kinect's. Raises ValueError and
 Error for what makes no sequence.)");
+  module.def("write_synth", &write_sequence, py::arg("folder"), py::arg("scenario") = "walking_xyz",
+             py::arg("frames") = py::none(), py::kw_only(), py::arg("seed") = 1,
+             py::arg("width") = 640, py::arg("height") = 480, py::arg("rate") = 30.0,
+             py::arg("noise") = true, py::arg("rolling_shutter") = false, py::arg("force") = false,
+             R"(Writes a generated sequence as a folder in the TUM benchmark's format.
+
+The files of `dkp-slam synth`, to the byte: images, lists, camera.yaml, true path, masks and boxes.
+The other arguments are those of synth. Returns the number of frames. The folder must be missing,
+empty or hold a generated sequence, which is replaced; force: or anything else, which stays. Raises
+ValueError and Error as synth, and Error where a file cannot be written.)");
   module.def(
       "scenarios",
       [] {

@@ -156,6 +156,24 @@ def test_generated_frames_are_the_programs(sequence, frames, true_boxes):
         assert frame.true_mask.shape == frame.true_instances.shape == (240, 320)
 
 
+def test_written_folder_is_the_programs(program, tmp_path):
+    assert dkp_slam.write_synth(tmp_path / "ours", "static_room", 2, width=320, height=240) == 2
+    program("synth", "static_room", "--frames", 2, "--width", 320, "--height", 240, "--out",
+            tmp_path / "theirs")
+    files = sorted(f.relative_to(tmp_path / "ours") for f in (tmp_path / "ours").rglob("*.*"))
+    assert len(files) == 2 * 4 + 7
+    for file in files:
+        ours, theirs = ((tmp_path / f / file).read_bytes() for f in ("ours", "theirs"))
+        assert ours == theirs, file
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "letter.txt").write_text("mine")
+    with pytest.raises(dkp_slam.Error, match="full: is not empty"):
+        dkp_slam.write_synth(tmp_path / "full", "static_room", 1)
+    with pytest.raises(ValueError, match="frames is 0"):
+        dkp_slam.write_synth(tmp_path / "none", "static_room", 0)
+    assert not (tmp_path / "none").exists()
+
+
 def test_scenarios():
     assert "walking_xyz" in dkp_slam.scenarios()
     with pytest.raises(dkp_slam.Error, match="no_such"):

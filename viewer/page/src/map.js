@@ -69,6 +69,7 @@ export class MapLayers {
     this.positions.clear();
     this.dense.clear();
     this.clouds.clear();
+    this.fusedShown = '';
     this.camera = this.model.info.camera;
     this.shownMap = undefined;
   }
@@ -134,35 +135,60 @@ export class MapLayers {
     this.stage.draw();
   }
 
-  // Fetches what is missing of the dense cloud, one keyframe at a time.
+  // Fetches what is missing of the dense cloud: of the run's dense map where it has one, else of
+  // the keyframes.
   async fillDense() {
     if (this.filling || !this.dense.visible) return;
     this.filling = true;
     try {
-      for (const id of this.model.clouds) {
-        if (this.clouds.has(id) || !this.dense.visible) continue;
-        const answer = await load(`/api/cloud?keyframe=${id}`);
-        if (answer) this.addCloud(id, answer);
-      }
-      for (const [id, points] of this.clouds) {
-        if (this.model.clouds.has(id)) continue;
-        this.dense.remove(points);
-        points.geometry.dispose();
-        this.clouds.delete(id);
-      }
+      await (this.model.fused === null ? this.fillKeyframes() : this.fillFused());
     } finally {
       this.filling = false;
     }
   }
 
-  addCloud(id, answer) {
+  async fillFused() {
+    const map = this.shownMap ?? 0;
+    if (this.model.fused === 0 || this.fusedShown === `${map} ${this.model.fused}`) return;
+    const answer = await load(`/api/fused?map=${map}`);
+    if (!answer) return;
+    this.fusedShown = `${map} ${answer.head.version}`;
+    this.fused?.geometry.dispose();
+    this.dense.clear();
+    this.fused = this.cloudOf(answer.section('positions', Float32Array).slice(), answer);
+    this.dense.add(this.fused);
+    this.stage.draw();
+  }
+
+  // One keyframe at a time.
+  async fillKeyframes() {
+    for (const id of this.model.clouds) {
+      if (this.clouds.has(id) || !this.dense.visible) continue;
+      const answer = await load(`/api/cloud?keyframe=${id}`);
+      if (answer) this.addCloud(id, answer);
+    }
+    for (const [id, points] of this.clouds) {
+      if (this.model.clouds.has(id)) continue;
+      this.dense.remove(points);
+      points.geometry.dispose();
+      this.clouds.delete(id);
+    }
+  }
+
+  cloudOf(positions, answer) {
     const geometry = new BufferGeometry();
-    const positions = Float32Array.from(answer.section('positions', Int16Array), (mm) => mm / 1000);
     geometry.setAttribute('position', new BufferAttribute(positions, 3));
     geometry.setAttribute(
       'color', new BufferAttribute(answer.section('colours', Uint8Array).slice(), 3, true));
     this.cloudMaterial ??= new PointsMaterial({ size: 0.018, vertexColors: true });
     const points = new Points(geometry, this.cloudMaterial);
+    points.frustumCulled = false;
+    return points;
+  }
+
+  addCloud(id, answer) {
+    const millimetres = answer.section('positions', Int16Array);
+    const points = this.cloudOf(Float32Array.from(millimetres, (mm) => mm / 1000), answer);
     this.clouds.set(id, points);
     this.dense.add(points);
     this.placeClouds();

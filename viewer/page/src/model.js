@@ -66,6 +66,7 @@ export class Model extends EventTarget {
     this.playback = head.playback;
     this.landmarkCount = head.landmarks;
     this.clouds = new Set(head.clouds);
+    this.fused = head.fused;  // version of the run's dense map, null where it has none
     this.applyFrames(answer, begins);
     this.applyMap(answer, begins);
     if (head.messages.length > 0) {
@@ -79,16 +80,15 @@ export class Model extends EventTarget {
 
   applyFrames(answer, begins) {
     const head = answer.head;
-    if (head.path_reset) {
-      this.rows.clear();
-      this.path = head.path;
-    }
+    this.path = head.path;
+    if (head.path_reset) this.rows.clear();
+    const moved = answer.section('moved', Float32Array);
+    if (this.rows.count > 0) this.rows.move(moved);
     const values = answer.section('frames', Float32Array);
     this.rows.append(values);
     if (this.rows.count > 0) this.newest = this.rows.get(this.rows.count - 1, 0);
-    if (values.length > 0 || head.path_reset || begins) {
-      this.tell('frames', { reset: head.path_reset || begins });
-    }
+    const reset = head.path_reset || begins || moved.length > 0;
+    if (values.length > 0 || reset) this.tell('frames', { reset });
   }
 
   applyMap(answer, begins) {

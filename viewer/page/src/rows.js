@@ -6,6 +6,7 @@ export const column = {
   detection: 20, masks: 21, removal: 22, tracking: 23, frame: 24,
 };
 const width = 25;
+const movedWidth = 9;  // index, map, pose
 const most = 300_000;  // more than the server keeps
 
 export class Rows {
@@ -29,6 +30,16 @@ export class Rows {
     this.data.set(values, this.count * width);
     this.count += added;
     if (this.count > most) this.thin();
+  }
+
+  // Frames that lie elsewhere now.
+  move(values) {
+    for (let at = 0; at < values.length; at += movedWidth) {
+      const row = this.rowOf(values[at]);
+      if (this.get(row, column.index) !== values[at]) continue;  // thinned out here
+      this.data[row * width + column.map] = values[at + 1];
+      this.pose(row).set(values.subarray(at + 2, at + movedWidth));
+    }
   }
 
   // Every second row of the older half goes.

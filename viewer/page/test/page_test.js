@@ -1,4 +1,4 @@
-// The page in a real browser: node page_test.js PROGRAM BROWSER FOLDER [SCREENSHOT]
+// The page in a real browser: node page_test.js PROGRAM BROWSER FOLDER
 import { strict as assert } from 'node:assert';
 import { mkdtempSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
@@ -91,6 +91,24 @@ async function test(browser, problems) {
   }
 }
 
+// A run that fuses its dense map shows that one, and not the keyframes' images.
+async function testFused(browser, problems) {
+  const live = await view(program, [sequence, '--dense', join(work, 'room.ply'), '--voxel', '0.04']);
+  try {
+    const page = await open(browser, live.url, wide, problems);
+    let keyframes = 0;
+    page.on('request', (request) => { if (request.url().includes('/api/cloud')) ++keyframes; });
+    const cloud = page.waitForResponse((answer) => answer.url().includes('/api/fused') && answer.status() === 200);
+    await page.getByLabel('dense cloud').check();
+    assert.ok((await (await cloud).body()).length > 10_000, 'the fused cloud is empty');
+    await until(page, () => document.getElementById('state').textContent === 'finished');
+    assert.equal(keyframes, 0, 'clouds of keyframes were fetched');
+    assert.equal(await live.interrupt(), 0);
+  } finally {
+    live.kill();
+  }
+}
+
 async function testMap(browser, problems) {
   const stored = await view(program, [map]);
   try {
@@ -110,6 +128,7 @@ try {
     '--out', sequence]);
   browser = await startBrowser(browserPath);
   await test(browser, problems);
+  await testFused(browser, problems);
   await testMap(browser, problems);
   // A program that has ended is no fault of the page.
   const own = problems.filter((text) => !/ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY/.test(text));

@@ -6,7 +6,7 @@
 
 #include "dkp_slam/system/observer.h"
 
-namespace dkp_slam::apps {
+namespace dkp_slam {
 
 /// An observer that writes files which the run needs: what its work failed with is kept for the
 /// thread that feeds. A run whose files cannot be written is to end, though no observer can end it.
@@ -39,4 +39,4 @@ class FileObserver : public SlamObserver {
   std::exception_ptr failure_;
 };
 
-}  // namespace dkp_slam::apps
+}  // namespace dkp_slam

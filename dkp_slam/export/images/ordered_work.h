@@ -9,7 +9,7 @@
 
 #include "dkp_slam/system/bounded_queue.h"
 
-namespace dkp_slam::apps {
+namespace dkp_slam {
 
 /// Work on one frame after the other by several threads, and what follows it in the frames' order.
 /// Used by one thread.
@@ -47,4 +47,4 @@ class OrderedWork {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace dkp_slam::apps
+}  // namespace dkp_slam

@@ -4,12 +4,12 @@
 #include <memory>
 #include <optional>
 
-#include "apps/file_observer.h"
 #include "dkp_slam/map_file/map_file.h"
 #include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/system/config.h"
+#include "dkp_slam/system/file_observer.h"
 
-namespace dkp_slam::apps {
+namespace dkp_slam {
 
 /// The map file of a run, if there is one.
 class RunMap : public FileObserver {
@@ -39,4 +39,4 @@ class RunMap : public FileObserver {
   bool warned_ = false;                // that ids get few
 };
 
-}  // namespace dkp_slam::apps
+}  // namespace dkp_slam

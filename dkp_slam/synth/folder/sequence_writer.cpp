@@ -1,4 +1,4 @@
-#include "apps/sequence_writer.h"
+#include "dkp_slam/synth/folder/sequence_writer.h"
 
 #include <algorithm>
 #include <array>
@@ -7,15 +7,15 @@
 
 #include <fmt/format.h>
 
-#include "apps/image_file.h"
 #include "dkp_slam/detection/recorded_detector.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
+#include "dkp_slam/export/images/image_file.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/synth/true_detections.h"
 
-namespace dkp_slam::apps {
+namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ void SequenceWriter::finish(const SyntheticSource& source) {
   write_trajectory(out_ / "groundtruth.txt", truth);
 }
 
-}  // namespace dkp_slam::apps
+}  // namespace dkp_slam

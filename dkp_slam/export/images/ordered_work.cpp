@@ -1,11 +1,11 @@
-#include "apps/ordered_work.h"
+#include "dkp_slam/export/images/ordered_work.h"
 
 #include <algorithm>
 #include <chrono>
 #include <limits>
 #include <utility>
 
-namespace dkp_slam::apps {
+namespace dkp_slam {
 
 std::size_t OrderedWork::cores() { return std::max(std::thread::hardware_concurrency(), 1U); }
 
@@ -54,4 +54,4 @@ void OrderedWork::undo_all() {
   }
 }
 
-}  // namespace dkp_slam::apps
+}  // namespace dkp_slam

@@ -1,4 +1,4 @@
-#include "apps/image_file.h"
+#include "dkp_slam/export/images/image_file.h"
 
 #include <cstdint>
 #include <fstream>
@@ -7,7 +7,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/sensor/png_encoder.h"
 
-namespace dkp_slam::apps {
+namespace dkp_slam {
 
 void write_image(const std::filesystem::path& path, const cv::Mat& image) {
   const std::vector<std::uint8_t> bytes = encode_png(image);
@@ -18,4 +18,4 @@ void write_image(const std::filesystem::path& path, const cv::Mat& image) {
   if (!file) throw Error(path.string() + ": cannot write; is the disk full?");
 }
 
-}  // namespace dkp_slam::apps
+}  // namespace dkp_slam

@@ -1,4 +1,4 @@
-#include "apps/run_map.h"
+#include "dkp_slam/system/map_file/run_map.h"
 
 #include <spdlog/spdlog.h>
 
@@ -6,7 +6,7 @@
 #include "dkp_slam/map/map_snapshot.h"
 #include "dkp_slam/system/scaled_config.h"
 
-namespace dkp_slam::apps {
+namespace dkp_slam {
 namespace fs = std::filesystem;
 namespace {
 
@@ -64,4 +64,4 @@ void RunMap::finish() {
   if (writer_) writer_->finish();
 }
 
-}  // namespace dkp_slam::apps
+}  // namespace dkp_slam

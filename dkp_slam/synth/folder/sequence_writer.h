@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "apps/ordered_work.h"
+#include "dkp_slam/export/images/ordered_work.h"
 #include "dkp_slam/geometry/stamped_pose.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/synth/source.h"
 
-namespace dkp_slam::apps {
+namespace dkp_slam {
 
 /// Writes synthetic frames as a folder in the TUM benchmark's format with all that is true of them:
 /// rgb/, depth/, mask/ and instances/ (PNG), rgb.txt, depth.txt, associations.txt, groundtruth.txt,
@@ -49,4 +49,4 @@ class SequenceWriter {
   OrderedWork writing_;  // last: what it does needs the others
 };
 
-}  // namespace dkp_slam::apps
+}  // namespace dkp_slam
