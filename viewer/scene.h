@@ -75,6 +75,8 @@ class Scene {
   void touch();
 
  private:
+  Trajectory path() const;
+
   const SceneInfo info_;
   const std::string run_;  // unlike that of any other
   TruthComparison truth_;

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/geometry/se3.h"
 #include "dkp_slam/sensor/rgbd_frame.h"
 
 namespace dkp_slam::testing {
