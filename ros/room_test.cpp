@@ -26,10 +26,8 @@ using testing::wait_until;
 constexpr int frame_count = 90;
 constexpr double pi = 3.14159265358979323846;
 /// Metres: x ahead of where the robot begins, y to its left, z from the floor.
-const Eigen::AlignedBox3d room(Eigen::Vector3d(-1.5, -2.0, 0.0),
-                                Eigen::Vector3d(2.5, 2.0, 2.5));
-const Eigen::AlignedBox3d pillar(Eigen::Vector3d(1.2, 0.5, 0.0),
-                                  Eigen::Vector3d(1.6, 0.9, 1.0));
+const Eigen::AlignedBox3d room(Eigen::Vector3d(-1.5, -2.0, 0.0), Eigen::Vector3d(2.5, 2.0, 2.5));
+const Eigen::AlignedBox3d pillar(Eigen::Vector3d(1.2, 0.5, 0.0), Eigen::Vector3d(1.6, 0.9, 1.0));
 
 Camera small_camera() {
   Camera camera = dkp_slam::testing::small_camera();
