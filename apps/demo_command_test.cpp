@@ -81,7 +81,7 @@ TEST_F(DemoCommand, BadInputIsRefusedInOneLine) {
   fs::create_directories(out() / "sequence");
   std::ofstream(out() / "sequence" / "mine.txt") << "precious";
   EXPECT_EQ(demo({"--frames", "10"}), 1);
-  EXPECT_THAT(stderr_, HasSubstr("was not made by this command"));
+  EXPECT_THAT(stderr_, HasSubstr("was not made by synth"));
   EXPECT_EQ(content(out() / "sequence" / "mine.txt"), "precious");
   fs::remove_all(out());
   std::ofstream(out()) << "a file";

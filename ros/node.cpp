@@ -146,7 +146,7 @@ class Node {
     slam->add_observer(world_, watching);
     if (kept) slam->add_observer(map_file_, watching);
     dense_ = std::make_shared<LiveDenseMap>(camera, dense_options(options_, config_));
-    slam->add_observer(dense_, LiveDenseMap::watching());
+    slam->add_observer(dense_, LiveDenseMap::watching(options_.map_interval));
     slam_ = std::move(slam);
     results_ = std::thread([this] { publish_results(); });
     worlds_ = std::thread([this] { publish_worlds(); });

@@ -180,8 +180,10 @@ class RoomNode : public testing::RosNode {
     transforms_.clear();
     const auto started = node(parameters);
     ASSERT_TRUE(play(bag())) << log();
-    EXPECT_TRUE(wait_until([&] { return poses_.size() >= frame_count && more(); }))
-        << states_.size() << ' ' << poses_.size() << log();
+    EXPECT_TRUE(wait_until([&] {
+      return poses_.size() >= frame_count && transforms_.size() >= frame_count && more();
+    })) << states_.size()
+        << ' ' << poses_.size() << log();
     EXPECT_EQ(started->end(), 0) << log();
     EXPECT_THAT(log(), HasSubstr("90 frames, 90 answered, 0 dropped"));
   }
