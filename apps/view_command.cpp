@@ -96,10 +96,10 @@ void add_view_command(CLI::App& program) {
       "Show a run on a web page while it lasts and after it, or what a map file holds; see "
       "docs/view.md. Prints the page's address and ends with Ctrl-C.");
   command
-      ->add_option(
-          "SEQUENCE|MAP", arguments->run.sequence,
-          "Folder of images, ROS 1 bag, kinect or - for a frame stream on the standard input, which "
-          "is run as by `dkp-slam run`, or a map file")
+      ->add_option("SEQUENCE|MAP", arguments->run.sequence,
+                   "Folder of images, ROS 1 bag, kinect or - for a frame stream on the standard "
+                   "input, which "
+                   "is run as by `dkp-slam run`, or a map file")
       ->required();
   add_server_options(*command, arguments->run.view);
   command->add_flag("--paused", arguments->run.view.paused,
