@@ -25,7 +25,7 @@ LiveDenseOptions live_options(const DenseFiles& files, const SlamConfig& config)
 RunDense::RunDense(const DenseFiles& files, const SlamConfig& config)
     : files_(files),
       dense_(std::make_shared<LiveDenseMap>(config.camera, live_options(files, config))) {
-  files_.surface.least_views = 2.0;  // keyframes are few
+  files_.surface.least_views = SurfaceOptions::least_keyframes;
   if (config.dynamics.mode == DynamicsMode::off) {
     spdlog::warn("mode off masks nothing: people are fused, too");
   }

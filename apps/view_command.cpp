@@ -98,8 +98,7 @@ void add_view_command(CLI::App& program) {
   command
       ->add_option("SEQUENCE|MAP", arguments->run.sequence,
                    "Folder of images, ROS 1 bag, kinect or - for a frame stream on the standard "
-                   "input, which "
-                   "is run as by `dkp-slam run`, or a map file")
+                   "input, which is run as by `dkp-slam run`, or a map file")
       ->required();
   add_server_options(*command, arguments->run.view);
   command->add_flag("--paused", arguments->run.view.paused,

@@ -259,9 +259,8 @@ class Node {
   bool publish_dense(int map, const MapFrame& frame) {
     try {
       return dense_->look(map, [&](const KeyframeFusion& fused) {
-        SurfaceOptions extraction;
-        extraction.least_views = 2.0;  // keyframes are few
-        const SurfaceMesh surface = extract_surface(fused.map(), extraction);
+        const SurfaceMesh surface =
+            extract_surface(fused.map(), {.least_views = SurfaceOptions::least_keyframes});
         cloud_.publish(cloud_message(surface, frame));
         publish_grid(surface, fused, frame);
       });

@@ -31,13 +31,12 @@ std::shared_ptr<const std::string> FusedCloud::cloud(int map) {
   const std::lock_guard lock(mutex_);
   const std::pair<int, long> wanted(map, map_->version());
   if (made_of_ == wanted || (made_of_.first == map && Clock::now() < next_)) return made_;
-  SurfaceOptions extraction;
-  extraction.least_views = 2.0;  // keyframes are few
   std::shared_ptr<const std::string> made;
   try {
     map_->look(map, [&](const KeyframeFusion& fused) {
       made = std::make_shared<const std::string>(
-          packed(extract_surface(fused.map(), extraction), wanted.second));
+          packed(extract_surface(fused.map(), {.least_views = SurfaceOptions::least_keyframes}),
+                 wanted.second));
     });
   } catch (const Error&) {  // the fusing failed, which the run says itself
   }

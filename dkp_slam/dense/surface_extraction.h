@@ -8,6 +8,8 @@ namespace dkp_slam {
 struct SurfaceOptions {
   /// Views that must have seen a surface at a place, less those that looked through it since.
   double least_views = 3.0;
+  /// `least_views` where keyframes alone were fused, which are few.
+  static constexpr double least_keyframes = 2.0;
   /// A place where so many views saw something in a mask for each that saw a surface there is no
   /// part of the static world: somebody who sits is not detected in every image.
   double moving_share = 0.3;

@@ -162,8 +162,9 @@ std::vector<Trajectory> Engine::trajectories() const {
     paths[path].push_back({p.timestamp, {}});
     before = path;
   });
+  const PathSmootherOptions smoothing = smoother_options(config_);
   for (std::size_t path = 0; path < paths.size(); ++path) {
-    smooth_path(tracked[path], smoother_options(config_));
+    smooth_path(tracked[path], smoothing);
     for (std::size_t i = 0; i < paths[path].size(); ++i) {
       paths[path][i].world_from_camera = tracked[path][i].camera_from_world.inverse();
     }

@@ -12,11 +12,7 @@ void check_between(const char* name, double value, double least, double most) {
   value_error(fmt::format("{} is {:g}; it must be from {:g} to {:g}", name, value, least, most));
 }
 
-SurfaceOptions surface_of_keyframes() {
-  SurfaceOptions options;
-  options.least_views = 2.0;  // keyframes are few
-  return options;
-}
+SurfaceOptions surface_of_keyframes() { return {.least_views = SurfaceOptions::least_keyframes}; }
 
 LiveDenseOptions live_options(const SlamConfig& config, const DenseSettings& settings,
                               int keyframes) {
