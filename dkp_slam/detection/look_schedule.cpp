@@ -1,7 +1,5 @@
 #include "dkp_slam/detection/look_schedule.h"
 
-#include <utility>
-
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/config/option_list.h"
@@ -41,21 +39,8 @@ void LookOptions::describe(OptionList& list) {
 
 void LookOptions::check() const { check_options(*this); }
 
-double LookSchedule::came_nearer(const cv::Mat& depth) {
-  constexpr int step = 16;         // pixels
-  constexpr float nearer = 0.25F;  // metres
-  cv::Mat now;
-  if (!depth.empty()) {
-    cv::resize(depth, now, {depth.cols / step, depth.rows / step}, 0, 0, cv::INTER_NEAREST);
-  }
-  std::swap(now, before_);
-  if (now.empty() || now.size() != before_.size()) return 0.0;
-  return cv::countNonZero((before_ > 0.0F) & (now > before_ + nearer)) /
-         static_cast<double>(now.total());
-}
-
 bool LookSchedule::due(double time, const cv::Mat& depth) {
-  const bool somebody_came = came_nearer(depth) >= options_.nearer;
+  const bool somebody_came = startle_.somebody_came(time, depth);
   if (!start_ || time < last_look_) {
     start_ = time;
   } else if (time - *start_ >= at_the_start && share_ < options_.many && !somebody_came &&

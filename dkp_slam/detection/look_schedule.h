@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/detection/detector.h"
+#include "dkp_slam/detection/startle.h"
 
 namespace dkp_slam {
 
@@ -20,7 +21,7 @@ struct LookOptions {
   double many = 0.15;
   /// Share of the image that comes nearer from one image to the next by more than a hand moves the
   /// camera: somebody steps into the view, and it looks at once.
-  double nearer = 0.08;
+  double nearer = startling_share;
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound
@@ -29,7 +30,7 @@ struct LookOptions {
 /// Says which images a detector looks at, from what it saw in those before.
 class LookSchedule {
  public:
-  explicit LookSchedule(const LookOptions& options) : options_(options) {}
+  explicit LookSchedule(const LookOptions& options) : options_(options), startle_(options.nearer) {}
 
   /// Whether the image of `time` (seconds) is one of them; asked once for every image, in order,
   /// with its depth (CV_32FC1, metres, 0 where unknown; may be empty). After a gap, or when the
@@ -39,11 +40,8 @@ class LookSchedule {
   void saw(const std::vector<Detection>& detections, const cv::Size& image);
 
  private:
-  /// Share of the image that is nearer than in the one before, which `depth` becomes.
-  double came_nearer(const cv::Mat& depth);
-
   LookOptions options_;
-  cv::Mat before_;               // depth of the image before, every 16th pixel
+  Startle startle_;
   std::optional<double> start_;  // seconds
   double last_look_ = 0.0;       // seconds
   double share_ = 1.0;           // of the image that people cover

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -44,9 +45,10 @@ class BoundedQueue {
     return take();
   }
 
-  /// Never waits.
-  std::optional<T> try_pop() {
-    const std::lock_guard lock(mutex_);
+  /// Waits for an item until then, no longer.
+  std::optional<T> pop_until(std::chrono::steady_clock::time_point then) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, then, [&] { return closed_ || !items_.empty(); });
     return take();
   }
 

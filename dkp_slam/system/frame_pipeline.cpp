@@ -16,6 +16,9 @@ constexpr std::size_t line_capacity = 2;  // frames between two stages: evens ou
 /// take all of a core, and objects are carried from one look to the next all the same.
 constexpr double least_look_ms = 30.0;
 
+/// So long after it was fed a startling frame goes on without an answer.
+constexpr std::chrono::milliseconds longest_wait(50);
+
 void rest_until(const Stopwatch& watch, double ms) {
   const std::chrono::duration<double, std::milli> left(ms - watch.ms());
   if (left.count() > 0.0) std::this_thread::sleep_for(left);
@@ -35,6 +38,7 @@ FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOption
     : orb_(orb),
       live_(live),
       detector_(std::move(detector)),
+      detecting_(detector_ != nullptr),
       incoming_(live ? 1 : line_capacity),
       extracted_(live ? 1 : line_capacity),
       detected_(line_capacity),
@@ -73,6 +77,7 @@ void FramePipeline::stop() {
     queue->close();
   }
   newest_frame_.close();
+  newest_detections_.close();
 }
 
 bool FramePipeline::push(RgbdFrame frame) {
@@ -80,6 +85,7 @@ bool FramePipeline::push(RgbdFrame frame) {
   prepared.frame = std::move(frame);
   prepared.fed = std::chrono::steady_clock::now();
   if (!live_) return incoming_.push(std::move(prepared));
+  prepared.startling = startle_.by(prepared.frame.timestamp, prepared.frame.depth);
   newest_frame_.push_newest(prepared.frame);
   dropped_frames_ += incoming_.push_newest(std::move(prepared));
   return !incoming_.closed();
@@ -92,13 +98,18 @@ std::optional<PreparedFrame> FramePipeline::next() {
     if (error_) std::rethrow_exception(error_);
     return std::nullopt;
   }
-  if (live_) {
-    // Each answer goes with one frame; those until the next are without one.
-    if (auto newest = newest_detections_.try_pop()) {
-      std::tie(frame->detections, frame->detection_ms) = std::move(*newest);
-    }
-  }
+  if (live_) take_answer(*frame);
   return frame;
+}
+
+/// Each answer goes with one frame; those until the next are without one.
+void FramePipeline::take_answer(PreparedFrame& frame) {
+  const bool waits = frame.startling && detecting_;
+  const auto until = waits ? frame.fed + longest_wait : std::chrono::steady_clock::time_point();
+  while (auto newest = newest_detections_.pop_until(until)) {
+    std::tie(frame.detections, frame.detection_ms) = std::move(*newest);
+    if (!waits || frame.detections.timestamp >= frame.frame.timestamp) return;
+  }
 }
 
 void FramePipeline::run(void (FramePipeline::*stage)()) {
@@ -162,6 +173,7 @@ DetectionResult FramePipeline::run_detector(const RgbdFrame& frame) {
 
 void FramePipeline::give_up_detector(int frame_index, const char* reason) {
   ++detector_failures_;
+  detecting_ = false;
   spdlog::error("frame {}: the detector {} failed ({}); going on without it", frame_index,
                 detector_->name(), reason);
   detector_.reset();

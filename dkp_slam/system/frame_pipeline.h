@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "dkp_slam/detection/detector.h"
+#include "dkp_slam/detection/startle.h"
 #include "dkp_slam/feature/orb_extractor.h"
 #include "dkp_slam/sensor/rgbd_frame.h"
 #include "dkp_slam/system/bounded_queue.h"
@@ -26,6 +27,7 @@ struct PreparedFrame {
   DetectionResult detections;
   double feature_ms = 0.0, detection_ms = 0.0;
   std::chrono::steady_clock::time_point fed;  ///< when it came in
+  bool startling = false;                     ///< live: what was seen before may not hold any more
 };
 
 /// Feature extraction and detection, each in its own thread, between whoever feeds frames and the
@@ -34,7 +36,8 @@ struct PreparedFrame {
 /// Offline the stages form a line (features, detections) through queues of two frames, so every
 /// frame gets its own detections and the result does not depend on timing. Live the detector works
 /// beside the line, on the newest frame, and frames that come too fast are dropped, the oldest
-/// first.
+/// first. A frame into which somebody may have stepped (the first, after a gap, or much has come
+/// nearer) waits for its own answer, 50 ms at most: without it people would be the room.
 ///
 /// A detector that throws is not called again; frames go on without detections.
 class FramePipeline {
@@ -66,11 +69,14 @@ class FramePipeline {
   void detect();
   void detect_newest();
   DetectionResult run_detector(const RgbdFrame& frame);
+  void take_answer(PreparedFrame& frame);
   void give_up_detector(int frame_index, const char* reason);
 
   const OrbOptions orb_;
   const bool live_;
   std::unique_ptr<Detector> detector_;
+  std::atomic<bool> detecting_;  // there is a detector that has not failed
+  Startle startle_;
   BoundedQueue<PreparedFrame> incoming_, extracted_, detected_;
   BoundedQueue<RgbdFrame> newest_frame_;
   BoundedQueue<std::pair<DetectionResult, double>> newest_detections_;

@@ -1,10 +1,12 @@
 #include "dkp_slam/system/frame_pipeline.h"
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <new>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -175,6 +177,23 @@ TEST(FramePipeline, LiveALateAnswerSaysWhichImageItIsOf) {
     EXPECT_EQ(frame->detections.timestamp, noise_frame(of).timestamp);
   }
   EXPECT_TRUE(told);
+}
+
+TEST(FramePipeline, LiveAFrameIntoWhichSomebodyStepsWaitsForItsOwnAnswer) {
+  const auto slow = [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(8)); };
+  FramePipeline pipeline(std::make_unique<IndexDetector>(slow), {}, live);
+  for (int i = 0; i < 12; ++i) {
+    RgbdFrame frame = noise_frame(i);
+    frame.timestamp = 100.0 + i / 30.0;
+    frame.depth = cv::Mat(frame.colour.size(), CV_32FC1, cv::Scalar(3.0));
+    if (i >= 6) frame.depth.colRange(0, frame.depth.cols / 4).setTo(1.0);
+    pipeline.push(frame);
+    const auto prepared = pipeline.next();
+    ASSERT_TRUE(prepared);
+    if (i > 0 && i != 6) continue;
+    ASSERT_TRUE(prepared->detections.answered) << i;
+    EXPECT_EQ(prepared->detections.timestamp, frame.timestamp) << i;
+  }
 }
 
 TEST(FramePipeline, LiveTheOldestFramesAreDropped) {

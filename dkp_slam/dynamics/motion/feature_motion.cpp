@@ -71,13 +71,21 @@ std::optional<ExpectedMotion> FeatureMotionEstimator::expect() const {
   const double passed = steps_.size() < 2 ? 0.0 : steps_[0].time - steps_[1].time;
   if (passed <= 0.0) return std::nullopt;
   ExpectedMotion expected;
-  expected.translation_sigma = options_.motion.acceleration * passed * passed;
-  expected.rotation_sigma = options_.motion.angular_acceleration * passed * passed;
-  const bool known = steps_.size() > 2 && steps_[1].previous_from_this.has_value();
+  // The newest motion that was told: from one that was not believed on, the hand has had more time.
+  constexpr double longest = 0.3;  // seconds
+  std::size_t told = 1;
+  while (told + 1 < steps_.size() && !steps_[told].previous_from_this) ++told;
+  const double since = steps_[0].time - steps_[told].time;
+  const bool known = told + 1 < steps_.size() && since < longest;
   if (known) {
-    const double before = steps_[1].time - steps_[2].time;
+    const double before = steps_[told].time - steps_[told + 1].time;
     expected.previous_from_current =
-        Se3::exp(passed / before * steps_[1].previous_from_this->log());
+        Se3::exp(passed / before * steps_[told].previous_from_this->log());
+    expected.translation_sigma = options_.motion.acceleration * since * passed;
+    expected.rotation_sigma = options_.motion.angular_acceleration * since * passed;
+  } else {
+    expected.translation_sigma = options_.motion.acceleration * passed * passed;
+    expected.rotation_sigma = options_.motion.angular_acceleration * passed * passed;
   }
   constexpr double coarse = 0.01;  // radians: sigma of the turn that small images tell
   if (known && expected.rotation_sigma < 2.0 * coarse) return expected;

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+
+#include <opencv2/core.hpp>
+
+namespace dkp_slam {
+
+/// Share of an image that comes nearer from one image to the next, by more than a hand moves the
+/// camera, from which on somebody has stepped into the view.
+inline constexpr double startling_share = 0.08;
+
+/// Tells the images of which those before say little: somebody may be there who was not.
+class Startle {
+ public:
+  /// `least`: share of the image, as `startling_share`.
+  explicit Startle(double least = startling_share) : least_(least) {}
+
+  /// Whether enough has come nearer, in this image or a few before: a sensor's colour may show with
+  /// the next image what its depth has shown with this one. Asked once for every image, in order of
+  /// `time` (seconds), with its depth (CV_32FC1, metres, 0 where unknown; may be empty).
+  bool somebody_came(double time, const cv::Mat& depth);
+  /// The same, or the image is the first, or one of the first after a gap.
+  bool by(double time, const cv::Mat& depth);
+
+ private:
+  double least_;
+  cv::Mat before_;               // depth of the image before, every 16th pixel
+  std::optional<double> came_;   // seconds, when enough had come nearer
+  std::optional<double> last_;   // seconds, of the image before
+  std::optional<double> began_;  // seconds, of the first after the last gap
+};
+
+}  // namespace dkp_slam

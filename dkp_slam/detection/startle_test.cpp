@@ -1,0 +1,48 @@
+#include "dkp_slam/detection/startle.h"
+
+#include <gtest/gtest.h>
+
+namespace dkp_slam {
+namespace {
+
+/// A wall at 3 m, and before it, over the left `share` of the image, somebody at `z` metres.
+cv::Mat room(double share, float z = 1.0F) {
+  cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(3.0));
+  depth.colRange(0, static_cast<int>(share * depth.cols)).setTo(z);
+  return depth;
+}
+
+TEST(Startle, SomebodyWhoStepsIn) {
+  Startle startle;
+  EXPECT_FALSE(startle.somebody_came(0.0, room(0.0)));
+  EXPECT_FALSE(startle.somebody_came(0.033, room(0.05)));
+  EXPECT_TRUE(startle.somebody_came(0.067, room(0.2)));
+  EXPECT_TRUE(startle.somebody_came(0.1, room(0.2)));     // a colour image may be late
+  EXPECT_FALSE(startle.somebody_came(0.167, room(0.2)));  // who is there already
+  EXPECT_FALSE(startle.somebody_came(0.2, room(0.0)));    // or leaves
+}
+
+TEST(Startle, ACameraThatMovesOrHasNoDepthIsNobody) {
+  Startle startle;
+  startle.somebody_came(0.0, room(1.0, 3.0F));
+  EXPECT_FALSE(startle.somebody_came(0.033, room(1.0, 2.9F)));
+  EXPECT_FALSE(startle.somebody_came(0.067, room(1.0, 0.0F)));
+  EXPECT_FALSE(startle.somebody_came(0.1, room(1.0, 1.0F)));  // depth that was not known before
+  EXPECT_FALSE(startle.somebody_came(0.133, {}));
+  EXPECT_FALSE(startle.somebody_came(0.167, room(0.5)));
+}
+
+TEST(Startle, TheFirstImageAndThoseAfterAGap) {
+  Startle startle;
+  for (const double first : {10.0, 10.4, 9.0}) {  // after a gap, and after the clock was set back
+    EXPECT_TRUE(startle.by(first, room(0.0)));
+    EXPECT_TRUE(startle.by(first + 0.033, room(0.0)));
+    EXPECT_FALSE(startle.by(first + 0.1, room(0.0)));
+    EXPECT_TRUE(startle.by(first + 0.133, room(0.3)));
+    EXPECT_TRUE(startle.by(first + 0.167, room(0.3)));
+    EXPECT_FALSE(startle.by(first + 0.217, room(0.3)));
+  }
+}
+
+}  // namespace
+}  // namespace dkp_slam

@@ -1,0 +1,83 @@
+#include "dkp_slam/dynamics/motion/feature_motion.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace dkp_slam {
+namespace {
+
+constexpr int width = 320, height = 240;
+constexpr double focal = 260.0, wall = 2.0;  // pixels, metres
+
+Camera camera() {
+  Camera c;
+  c.name = "small";
+  c.width = width;
+  c.height = height;
+  c.fx = c.fy = focal;
+  c.cx = width / 2.0;
+  c.cy = height / 2.0;
+  return c;
+}
+
+/// A wall at 2 m that has moved `room` pixels to the right; its left half by `somebody`.
+cv::Mat picture(double room, double somebody) {
+  cv::Mat image(height, width, CV_8UC1);
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const double x = u - (u < width / 2 ? somebody : room);
+      const double value = 128 + 40 * std::sin(0.21 * x + 0.08 * v) +
+                           35 * std::sin(0.15 * v - 0.11 * x + 1) +
+                           30 * std::sin(0.06 * x * v / 40);
+      image.at<uchar>(v, u) = cv::saturate_cast<uchar>(value);
+    }
+  }
+  return image;
+}
+
+/// Points right (`room`) and left (`somebody`) of the middle, away from it.
+std::vector<cv::Point2f> points(int room, int somebody) {
+  std::vector<cv::Point2f> all;
+  const auto add = [&](int count, float left) {
+    for (int i = 0; i < count; ++i) {
+      all.emplace_back(left + 11.0F * static_cast<float>(i % 8),
+                       40.0F + 30.0F * static_cast<float>(i / 8));
+    }
+  };
+  add(room, 205.0F);
+  add(somebody, 30.0F);
+  return all;
+}
+
+TEST(FeatureMotion, GoesOnFromTheLastMotionThatWasTold) {
+  // A steady camera; in one image there is no depth and its motion is not told. In the next
+  // somebody moves with more points than the room has. Nobody changes a camera's speed as fast as
+  // that.
+  FeatureMotionOptions options;
+  options.coarse_rotation = false;  // people hide too much for it
+  FeatureMotionEstimator estimator(camera(), options);
+  const cv::Mat depth(height, width, CV_32FC1, cv::Scalar(wall));
+  const double shift = 2.0, metres = shift * wall / focal;
+  constexpr int blind = 6, crowded = 7;
+  double somebody = 0.0;
+  for (int k = 0; k <= crowded; ++k) {
+    somebody += k == crowded ? 24.0 : shift;
+    const std::vector<cv::Point2f> at = k == crowded ? points(15, 16) : points(32, 32);
+    const cv::Mat known = k == blind ? cv::Mat(depth.size(), CV_32FC1, cv::Scalar(0)) : depth;
+    FeatureMotion motion =
+        estimator.track(picture(k * shift, somebody), known, at, {}, {}, k / 30.0);
+    estimator.measure_ego_motion(known, at, std::vector<std::uint8_t>(at.size(), 1), 1, motion);
+    if (k == 0 || k == blind) {
+      EXPECT_FALSE(motion.camera_motion) << k;
+      continue;
+    }
+    ASSERT_TRUE(motion.camera_motion) << k;
+    const Se3 found = motion.camera_motion->previous_from_current.inverse();
+    EXPECT_NEAR(found.translation.x(), metres, 0.003) << k;
+    EXPECT_LT(found.angle(), 0.003) << k;
+  }
+}
+
+}  // namespace
+}  // namespace dkp_slam
