@@ -88,10 +88,10 @@ def start_ms(program, arguments):
 
 
 def first_frame(sequence, folder):
-    """A sequence of the first frame alone."""
-    for name in ("rgb.txt", "depth.txt"):
+    """A sequence of the first frame alone. Which depth goes with it depends on the camera's delay: the first few are there."""
+    for name, count in (("rgb.txt", 1), ("depth.txt", 4)):
         lines = [line for line in (sequence / name).read_text().splitlines() if line and line[0] != "#"]
-        (folder / name).write_text(lines[0] + "\n")
+        (folder / name).write_text("\n".join(lines[:count]) + "\n")
     for name in ("rgb", "depth"):
         link = folder / name
         if not link.exists():
