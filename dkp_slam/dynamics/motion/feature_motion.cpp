@@ -77,15 +77,13 @@ std::optional<ExpectedMotion> FeatureMotionEstimator::expect() const {
   while (told + 1 < steps_.size() && !steps_[told].previous_from_this) ++told;
   const double since = steps_[0].time - steps_[told].time;
   const bool known = told + 1 < steps_.size() && since < longest;
+  const double free = known ? since : passed;
+  expected.translation_sigma = options_.motion.acceleration * free * passed;
+  expected.rotation_sigma = options_.motion.angular_acceleration * free * passed;
   if (known) {
     const double before = steps_[told].time - steps_[told + 1].time;
     expected.previous_from_current =
         Se3::exp(passed / before * steps_[told].previous_from_this->log());
-    expected.translation_sigma = options_.motion.acceleration * since * passed;
-    expected.rotation_sigma = options_.motion.angular_acceleration * since * passed;
-  } else {
-    expected.translation_sigma = options_.motion.acceleration * passed * passed;
-    expected.rotation_sigma = options_.motion.angular_acceleration * passed * passed;
   }
   constexpr double coarse = 0.01;  // radians: sigma of the turn that small images tell
   if (known && expected.rotation_sigma < 2.0 * coarse) return expected;

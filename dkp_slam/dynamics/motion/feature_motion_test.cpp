@@ -1,13 +1,16 @@
 #include "dkp_slam/dynamics/motion/feature_motion.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include "dkp_slam/dynamics/motion/test_texture.h"
 
 namespace dkp_slam {
 namespace {
 
-constexpr int width = 320, height = 240;
+using testing::height;
+using testing::texture;
+using testing::width;
+
 constexpr double focal = 260.0, wall = 2.0;  // pixels, metres
 
 Camera camera() {
@@ -23,16 +26,9 @@ Camera camera() {
 
 /// A wall at 2 m that has moved `room` pixels to the right; its left half by `somebody`.
 cv::Mat picture(double room, double somebody) {
-  cv::Mat image(height, width, CV_8UC1);
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      const double x = u - (u < width / 2 ? somebody : room);
-      const double value = 128 + 40 * std::sin(0.21 * x + 0.08 * v) +
-                           35 * std::sin(0.15 * v - 0.11 * x + 1) +
-                           30 * std::sin(0.06 * x * v / 40);
-      image.at<uchar>(v, u) = cv::saturate_cast<uchar>(value);
-    }
-  }
+  cv::Mat image = texture(room, 0.0);
+  const cv::Rect left(0, 0, width / 2, height);
+  texture(somebody, 0.0)(left).copyTo(image(left));
   return image;
 }
 
