@@ -40,10 +40,10 @@ void LookOptions::describe(OptionList& list) {
 void LookOptions::check() const { check_options(*this); }
 
 bool LookSchedule::due(double time, const cv::Mat& depth) {
-  const bool somebody_came = startle_.somebody_came(time, depth);
+  const bool startled = startle_.by(time, depth);
   if (!start_ || time < last_look_) {
     start_ = time;
-  } else if (time - *start_ >= at_the_start && share_ < options_.many && !somebody_came &&
+  } else if (time - *start_ >= at_the_start && share_ < options_.many && !startled &&
              time - last_look_ < options_.interval) {
     return false;
   }

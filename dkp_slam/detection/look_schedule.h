@@ -33,8 +33,8 @@ class LookSchedule {
   explicit LookSchedule(const LookOptions& options) : options_(options), startle_(options.nearer) {}
 
   /// Whether the image of `time` (seconds) is one of them; asked once for every image, in order,
-  /// with its depth (CV_32FC1, metres, 0 where unknown; may be empty). After a gap, or when the
-  /// clock was set back, it is.
+  /// with its depth (CV_32FC1, metres, 0 where unknown; may be empty). Where somebody may have
+  /// stepped into the view (`Startle::by`), or the clock was set back, it is.
   bool due(double time, const cv::Mat& depth = {});
   /// What was seen in the image that was last due, which is of that size.
   void saw(const std::vector<Detection>& detections, const cv::Size& image);

@@ -17,13 +17,14 @@ class Startle {
   explicit Startle(double least = startling_share) : least_(least) {}
 
   /// Whether enough has come nearer, in this image or a few before: a sensor's colour may show with
-  /// the next image what its depth has shown with this one. Asked once for every image, in order of
-  /// `time` (seconds), with its depth (CV_32FC1, metres, 0 where unknown; may be empty).
-  bool somebody_came(double time, const cv::Mat& depth);
-  /// The same, or the image is the first, or one of the first after a gap.
+  /// the next image what its depth has shown with this one. Or whether the image is the first, or
+  /// one of the first after a gap. Asked once for every image, in order of `time` (seconds), with
+  /// its depth (CV_32FC1, metres, 0 where unknown; may be empty).
   bool by(double time, const cv::Mat& depth);
 
  private:
+  bool somebody_came(double time, const cv::Mat& depth);
+
   double least_;
   cv::Mat before_;               // depth of the image before, every 16th pixel
   std::optional<double> came_;   // seconds, when enough had come nearer

@@ -12,24 +12,37 @@ cv::Mat room(double share, float z = 1.0F) {
   return depth;
 }
 
-TEST(Startle, SomebodyWhoStepsIn) {
+/// One that has seen `depth` for the tenth of a second until 0.
+Startle used_to(const cv::Mat& depth) {
   Startle startle;
-  EXPECT_FALSE(startle.somebody_came(0.0, room(0.0)));
-  EXPECT_FALSE(startle.somebody_came(0.033, room(0.05)));
-  EXPECT_TRUE(startle.somebody_came(0.067, room(0.2)));
-  EXPECT_TRUE(startle.somebody_came(0.1, room(0.2)));     // a colour image may be late
-  EXPECT_FALSE(startle.somebody_came(0.167, room(0.2)));  // who is there already
-  EXPECT_FALSE(startle.somebody_came(0.2, room(0.0)));    // or leaves
+  for (const double time : {-0.1, -0.067, -0.033, 0.0}) startle.by(time, depth);
+  return startle;
+}
+
+TEST(Startle, SomebodyWhoStepsIn) {
+  Startle startle = used_to(room(0.0));
+  EXPECT_FALSE(startle.by(0.033, room(0.05)));
+  EXPECT_TRUE(startle.by(0.067, room(0.2)));
+  EXPECT_TRUE(startle.by(0.1, room(0.2)));     // a colour image may be late
+  EXPECT_FALSE(startle.by(0.167, room(0.2)));  // who is there already
+  EXPECT_FALSE(startle.by(0.2, room(0.0)));    // or leaves
+}
+
+TEST(Startle, TheShareThatIsGiven) {
+  for (const double least : {0.1, 0.3}) {
+    Startle startle(least);
+    for (const double time : {-0.1, -0.067, -0.033, 0.0}) startle.by(time, room(0.0));
+    EXPECT_EQ(startle.by(0.033, room(0.2)), least < 0.2);
+  }
 }
 
 TEST(Startle, ACameraThatMovesOrHasNoDepthIsNobody) {
-  Startle startle;
-  startle.somebody_came(0.0, room(1.0, 3.0F));
-  EXPECT_FALSE(startle.somebody_came(0.033, room(1.0, 2.9F)));
-  EXPECT_FALSE(startle.somebody_came(0.067, room(1.0, 0.0F)));
-  EXPECT_FALSE(startle.somebody_came(0.1, room(1.0, 1.0F)));  // depth that was not known before
-  EXPECT_FALSE(startle.somebody_came(0.133, {}));
-  EXPECT_FALSE(startle.somebody_came(0.167, room(0.5)));
+  Startle startle = used_to(room(1.0, 3.0F));
+  EXPECT_FALSE(startle.by(0.033, room(1.0, 2.9F)));
+  EXPECT_FALSE(startle.by(0.067, room(1.0, 0.0F)));
+  EXPECT_FALSE(startle.by(0.1, room(1.0, 1.0F)));  // depth that was not known before
+  EXPECT_FALSE(startle.by(0.133, {}));
+  EXPECT_FALSE(startle.by(0.167, room(0.5)));
 }
 
 TEST(Startle, TheFirstImageAndThoseAfterAGap) {

@@ -34,11 +34,13 @@ void find_features(const OrbExtractor& extractor, PreparedFrame& prepared) {
 
 }  // namespace
 
-FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOptions& orb, bool live)
+FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOptions& orb, bool live,
+                             double startling)
     : orb_(orb),
       live_(live),
       detector_(std::move(detector)),
       detecting_(detector_ != nullptr),
+      startle_(startling),
       incoming_(live ? 1 : line_capacity),
       extracted_(live ? 1 : line_capacity),
       detected_(line_capacity),

@@ -42,8 +42,10 @@ struct PreparedFrame {
 /// A detector that throws is not called again; frames go on without detections.
 class FramePipeline {
  public:
-  /// `detector` may be null.
-  FramePipeline(std::unique_ptr<Detector> detector, const OrbOptions& orb, bool live);
+  /// `detector` may be null. `startling`: share of an image that comes nearer when somebody steps
+  /// into it.
+  FramePipeline(std::unique_ptr<Detector> detector, const OrbOptions& orb, bool live,
+                double startling = startling_share);
   ~FramePipeline();
   FramePipeline(const FramePipeline&) = delete;
   FramePipeline& operator=(const FramePipeline&) = delete;

@@ -79,7 +79,7 @@ struct Slam::State {
       : config(c),
         has_stored_map(stored.has_value()),
         engine(c, std::move(stored)),
-        pipeline(std::move(detector), c.orb, c.realtime) {}
+        pipeline(std::move(detector), c.orb, c.realtime, c.detector.yolox.looks.nearer) {}
 
   void track();
   void publish(const std::shared_ptr<FrameSnapshot>& snapshot);
