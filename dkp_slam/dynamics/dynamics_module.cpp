@@ -7,11 +7,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/dynamics/compensation/object_flow.h"
-#include "dkp_slam/dynamics/masks/depth_view.h"
 #include "dkp_slam/dynamics/motion/static_support.h"
 #include "dkp_slam/dynamics/object_masks.h"
 #include "dkp_slam/dynamics/parts.h"
 #include "dkp_slam/error.h"
+#include "dkp_slam/geometry/planes/depth_view.h"
 #include "dkp_slam/stopwatch.h"
 #include "dkp_slam/trace.h"
 

@@ -6,10 +6,10 @@
 
 #include <opencv2/core.hpp>
 
-#include "dkp_slam/dynamics/masks/depth_view.h"
 #include "dkp_slam/dynamics/masks/object_mask.h"
 #include "dkp_slam/dynamics/motion/flow.h"
 #include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/geometry/planes/depth_view.h"
 #include "dkp_slam/geometry/se3.h"
 
 namespace dkp_slam {

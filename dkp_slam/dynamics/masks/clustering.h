@@ -6,10 +6,10 @@
 #include <opencv2/core.hpp>
 
 #include "dkp_slam/dynamics/masks/clustering_options.h"
-#include "dkp_slam/dynamics/masks/depth_view.h"
 #include "dkp_slam/dynamics/masks/object_mask.h"
-#include "dkp_slam/dynamics/masks/plane.h"
 #include "dkp_slam/dynamics/masks/segments.h"
+#include "dkp_slam/geometry/planes/depth_view.h"
+#include "dkp_slam/geometry/planes/plane.h"
 
 namespace dkp_slam {
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "dkp_slam/dynamics/masks/flat_patches.h"
-#include "dkp_slam/dynamics/masks/plane.h"
 #include "dkp_slam/dynamics/masks/segments.h"
+#include "dkp_slam/geometry/planes/plane.h"
 
 namespace dkp_slam {
 

@@ -10,7 +10,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "dkp_slam/dynamics/masks/plane.h"
+#include "dkp_slam/geometry/planes/plane.h"
 #include "dkp_slam/geometry/ransac.h"
 
 namespace dkp_slam {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "dkp_slam/dynamics/masks/depth_view.h"
-#include "dkp_slam/dynamics/masks/plane.h"
+#include "dkp_slam/geometry/planes/depth_view.h"
+#include "dkp_slam/geometry/planes/plane.h"
 #include "dkp_slam/geometry/se3.h"
 
 namespace dkp_slam {

@@ -5,8 +5,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "dkp_slam/dynamics/masks/depth_view.h"
-#include "dkp_slam/dynamics/masks/plane.h"
+#include "dkp_slam/geometry/planes/depth_view.h"
+#include "dkp_slam/geometry/planes/plane.h"
 
 namespace dkp_slam {
 

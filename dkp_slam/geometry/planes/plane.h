@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
-#include "dkp_slam/dynamics/masks/depth_view.h"
+#include "dkp_slam/geometry/planes/depth_view.h"
 
 namespace dkp_slam {
 

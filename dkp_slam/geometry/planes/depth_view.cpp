@@ -1,4 +1,4 @@
-#include "dkp_slam/dynamics/masks/depth_view.h"
+#include "dkp_slam/geometry/planes/depth_view.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "dkp_slam/dynamics/masks/plane.h"
+#include "dkp_slam/geometry/planes/plane.h"
 
 #include <algorithm>
 #include <array>
@@ -10,6 +10,7 @@
 #include <Eigen/Dense>
 #include <opencv2/core/utility.hpp>
 
+#include "dkp_slam/config/option_list.h"
 #include "dkp_slam/geometry/ransac.h"
 
 namespace dkp_slam {
@@ -97,6 +98,24 @@ void mark_near(const DepthView& view, const Plane& plane, int y, const PlaneOpti
 }
 
 }  // namespace
+
+void PlaneOptions::describe(OptionList& list) {
+  list.add("max_planes", max_planes, between(0, 100), "", "found in one frame");
+  list.add("min_share", min_share, between(0, 1), "", "of the points; smaller planes are things");
+  list.add("min_extent", min_extent, at_least(0), "metres", "of a plane along its longer axis");
+  list.add("min_width", min_width, at_least(0), "metres", "of a plane across");
+  list.add("thickness_constant", thickness_constant, at_least(0), "metres",
+           "half thickness of a plane at no depth");
+  list.add("thickness_quadratic", thickness_quadratic, at_least(0), "1/metre",
+           "half thickness that depth squared adds");
+  list.add("iterations", iterations, between(1, 100000), "", "of RANSAC");
+  list.add("removal_margin", removal_margin, at_least(0), "metres",
+           "added to the thickness when pixels are removed");
+  list.add("slope_error", slope_error, at_least(0), "",
+           "rise over run by which a surface on the plane may lean off it");
+}
+
+void PlaneOptions::check() const { check_options(*this); }
 
 void InlierCounter::add(const Eigen::Vector3f& point, float tolerance) {
   x_.push_back(point.x());
