@@ -52,6 +52,7 @@ struct DynamicsModule::State {
   std::vector<std::uint8_t> features_to_follow(const Work& work,
                                                const std::vector<cv::Rect2f>& hidden) const;
   void track(const cv::Mat& grey, const DetectionResult& answer, Work& work);
+  void listen_to_planes(const std::vector<std::uint8_t>& support, Work& work);
   std::optional<Se3> measure_ego_motion(Work& work);
   void cut_masks(const cv::Mat& grey, Work& work);
   void learn_background(const cv::Mat& grey, const Work& work);
@@ -88,6 +89,18 @@ void DynamicsModule::State::track(const cv::Mat& grey, const DetectionResult& an
                         &history);
 }
 
+/// Where somebody whom no box holds bears most of the features the motion may be his: large planes
+/// are nobody's.
+void DynamicsModule::State::listen_to_planes(const std::vector<std::uint8_t>& support, Work& work) {
+  const std::vector<std::uint8_t> on_planes =
+      planes_left_behind(work.view, work.points, support, work.motion,
+                         static_cast<float>(options.motion.motion.inlier_distance),
+                         parts.planes->plane_options(), work.seed);
+  if (on_planes.empty()) return;
+  parts.motion->measure_ego_motion_anew(work.frame.depth, work.points, on_planes, work.seed,
+                                        work.motion);
+}
+
 /// The camera at this frame from the one before, when what lies outside the objects can tell.
 std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
   const TraceSpan span("ego-motion");
@@ -103,6 +116,7 @@ std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
                          parts.planes->plane_options(), support);
   }
   parts.motion->measure_ego_motion(work.frame.depth, work.points, support, work.seed, work.motion);
+  listen_to_planes(support, work);
   parts.planes->move(parts.motion->current_from_previous() * expected.inverse());
   if (parts.follow_some) {
     parts.motion->follow_more(

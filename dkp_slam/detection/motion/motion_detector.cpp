@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/geometry/planes/depth_view.h"
 
 namespace dkp_slam {
 namespace {
@@ -23,7 +24,8 @@ MotionDetector::MotionDetector(const Camera& camera, const MotionDetectorOptions
       grid_(camera, options.columns),
       ego_(camera, options.ego),
       background_(grid_, camera, options.background),
-      evidence_(grid_, options.evidence) {
+      evidence_(grid_, options.evidence),
+      rays_(depth_view_rays(camera_)) {
   restart();
 }
 
@@ -33,6 +35,7 @@ void MotionDetector::restart() {
   log_odds_ = cv::Mat::zeros(grid_.size(), CV_32FC1);
   standing_ = cv::Mat::zeros(grid_.size(), CV_32FC1);
   moving_ = cv::Mat::zeros(grid_.size(), CV_8UC1);
+  on_planes_ = cv::Mat::zeros(grid_.size(), CV_8UC1);
 }
 
 void MotionDetector::check(const RgbdFrame& frame) const {
@@ -59,6 +62,7 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
   const double seconds = past_.empty() ? 0.0 : frame.timestamp - past_.back().timestamp;
   const EgoMotion motion = ego_.update(grey, frame.depth, trust());
   if (!past_.empty() && (!motion.valid || seconds <= 0.0 || seconds > options_.max_gap)) restart();
+  find_planes(frame.depth);
 
   const cv::Mat none = cv::Mat::zeros(grid_.size(), CV_8UC1);
   if (past_.empty()) {
@@ -90,6 +94,23 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
   return motion_detections(moving_, log_odds_, grid_, frame.colour.size(), options_.regions);
 }
 
+void MotionDetector::find_planes(const cv::Mat& depth) {
+  constexpr std::uint64_t seed = 1;  // the same image has the same planes
+  const DepthView view = make_depth_view(depth, rays_);
+  const std::vector<Plane> planes = fit_planes(view, {}, options_.planes, seed);
+  const int step = grid_.step(), half = step / 2;
+  for (int v = 0; v < on_planes_.rows; ++v) {
+    const int y = std::min((v * step + half) / DepthView::step, view.depth.rows - 1);
+    for (int u = 0; u < on_planes_.cols; ++u) {
+      const int x = std::min((u * step + half) / DepthView::step, view.depth.cols - 1);
+      const bool on = std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+        return runs_along(view, plane, x, y, options_.planes);
+      });
+      on_planes_.at<uchar>(v, u) = on ? 255 : 0;
+    }
+  }
+}
+
 cv::Mat MotionDetector::trust() const {
   cv::Mat trust(grid_.size(), CV_32FC1);
   for (int i = 0; i < grid_.size().area(); ++i) {
@@ -97,7 +118,11 @@ cv::Mat MotionDetector::trust() const {
     const float known = std::min(1.0F, static_cast<float>(background_.age(i)) / options_.known_age);
     float& out = trust.at<float>(v, u);
     out = 0.05F + 0.95F * known;
-    if (log_odds_.at<float>(v, u) > 0.0F) out *= 0.2F;
+    if (on_planes_.at<uchar>(v, u)) {
+      out = 1.0F;
+    } else if (log_odds_.at<float>(v, u) > 0.0F) {
+      out *= 0.2F;
+    }
     if (moving_.at<uchar>(v, u)) out = 0.001F;  // a last resort where nothing else is left
   }
   return trust;

@@ -13,6 +13,7 @@
 #include "dkp_slam/detection/motion/motion_evidence.h"
 #include "dkp_slam/detection/motion/motion_regions.h"
 #include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/geometry/planes/plane.h"
 
 namespace dkp_slam {
 
@@ -40,6 +41,8 @@ struct MotionDetectorOptions {
   float carry_step = 0.04F;
   float limit = 4.0F;  ///< log-odds stay within this
   EgoMotionOptions ego;
+  /// The room's, which count in full for the camera's motion as what has long stood still does.
+  PlaneOptions planes = larger_than_people({});
   BackgroundOptions background;
   MotionEvidenceOptions evidence;
   MotionRegionOptions regions;
@@ -50,14 +53,15 @@ struct MotionDetectorOptions {
 
 /// The model-free detector: finds what moves by itself, whatever it is. No learning and no classes.
 ///
-/// Each frame: the camera's own motion from sparse flow outside of what moved before; a background
+/// Each frame: the camera's own motion from sparse flow outside of what moved before, on large
+/// planes and on what has long stood still above all; a background
 /// of all static surfaces seen so far, carried along with it; two kinds of evidence for every cell
 /// of a coarse grid (a point where the background was seen to be free; dense flow that disagrees
 /// with the camera's motion), gathered as log-odds which travel with the objects; regions grown
 /// from the cells that moved over neighbours of like depth.
 ///
 /// What stands still is not found, whatever it is; neither is what fills most of the image from the
-/// first frame on. Frames must come in order.
+/// first frame on, unless a large plane is in view. Frames must come in order.
 class MotionDetector : public Detector {
  public:
   /// Throws `Error` when the camera makes no sense.
@@ -81,6 +85,7 @@ class MotionDetector : public Detector {
   const Past& flow_partner(double timestamp) const;
   /// How much each cell of the last frame says about the camera's motion, 0 to 1.
   cv::Mat trust() const;
+  void find_planes(const cv::Mat& depth);
   void carry(const CoarseView& view, const cv::Mat& flow, float share, double seconds);
   void gather(const CoarseView& view, const cv::Mat& depth_evidence, const MotionEvidence& motion,
               double seconds);
@@ -92,9 +97,11 @@ class MotionDetector : public Detector {
   BackgroundModel background_;
   MotionEvidenceFinder evidence_;
   std::deque<Past> past_;
-  cv::Mat log_odds_;  ///< CV_32FC1, of motion
-  cv::Mat standing_;  ///< CV_32FC1, seconds since the cell's point came and stands still
-  cv::Mat moving_;    ///< CV_8UC1, mask of the last frame
+  cv::Mat log_odds_;   ///< CV_32FC1, of motion
+  cv::Mat standing_;   ///< CV_32FC1, seconds since the cell's point came and stands still
+  cv::Mat moving_;     ///< CV_8UC1, mask of the last frame
+  cv::Mat on_planes_;  ///< CV_8UC1, 255 where the last frame shows a large plane
+  cv::Mat rays_;       ///< of a `DepthView`
 };
 
 }  // namespace dkp_slam

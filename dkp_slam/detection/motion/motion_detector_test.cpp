@@ -134,6 +134,42 @@ TEST(MotionDetector, FindsABoardThatMovesFromTheFirstFrameOn) {
   }
 }
 
+/// Somebody as round as people are, who fills two thirds of the view and bends sideways, `angle` in
+/// radians. (Shifts alone would not do: a camera that turns as it moves could explain them.)
+World::Shot behind_somebody(World::Shot shot, double angle) {
+  const Texture shirt(4);
+  const cv::Size size = shot.board.size();
+  const int left = size.width / 6, width = size.width - 2 * left;
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = left; u < left + width; ++u) {
+      const double x = 0.006 * (u - size.width / 2), y = 0.006 * (v - size.height / 2);
+      const float grey = shirt.at(std::cos(angle) * x - std::sin(angle) * y,
+                                  std::sin(angle) * x + std::cos(angle) * y);
+      const double bulge = 0.15 * std::sin(CV_PI * (u - left) / width);
+      shot.frame.colour.at<cv::Vec3b>(v, u) = cv::Vec3b::all(cv::saturate_cast<uchar>(grey));
+      shot.frame.depth.at<float>(v, u) = static_cast<float>(0.8 - bulge);
+      shot.board.at<uchar>(v, u) = 255;
+    }
+  }
+  return shot;
+}
+
+TEST(MotionDetector, ALargePlaneIsTheRoomThoughSomebodyFillsTheViewFromTheFirstFrameOn) {
+  const World world;
+  MotionDetectorOptions without;
+  without.planes.max_planes = 0;
+  MotionDetector detector(test_camera()), blind(test_camera(), without);
+  for (int i = 0; i < 20; ++i) {
+    const World::Shot shot = behind_somebody(world.shoot(i, camera_step * i, 0.0, false), 0.02 * i);
+    const cv::Mat found = mask_of(detector.detect(shot.frame), shot.board.size());
+    const cv::Mat misled = mask_of(blind.detect(shot.frame), shot.board.size());
+    if (i < 10) continue;
+    EXPECT_GT(share(found, shot.board), 0.65) << "frame " << i;  // his middle does not move
+    EXPECT_LT(share(found, ~shot.board), 0.1) << "frame " << i;
+    EXPECT_LT(share(misled, shot.board), 0.5) << "frame " << i;
+  }
+}
+
 TEST(MotionDetector, FindsWhatComesInBeforeAStillCamera) {
   const World world;
   MotionDetector detector(test_camera());

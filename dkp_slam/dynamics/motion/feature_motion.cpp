@@ -233,6 +233,29 @@ void FeatureMotionEstimator::measure_ego_motion(const cv::Mat& depth,
   fill_residuals(depth, points, motion);
 }
 
+bool FeatureMotionEstimator::measure_ego_motion_anew(const cv::Mat& depth,
+                                                     const std::vector<cv::Point2f>& points,
+                                                     const std::vector<std::uint8_t>& support,
+                                                     std::uint64_t seed, FeatureMotion& motion) {
+  const auto agree = [&](const FeatureMotion& told) {
+    int count = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto off = static_cast<double>(told.residual[i]);
+      count += support[i] != 0 && off < options_.motion.inlier_distance ? 1 : 0;
+    }
+    return count;
+  };
+  FeatureMotion anew = motion;
+  const std::optional<Se3> before = steps_.front().previous_from_this;
+  measure_ego_motion(depth, points, support, seed, anew);
+  if (anew.camera_motion && anew.from_low_points && agree(anew) >= 2 * agree(motion)) {
+    motion = std::move(anew);
+    return true;
+  }
+  steps_.front().previous_from_this = before;
+  return false;
+}
+
 void FeatureMotionEstimator::fill_residuals(const cv::Mat& depth,
                                             const std::vector<cv::Point2f>& points,
                                             FeatureMotion& motion) const {

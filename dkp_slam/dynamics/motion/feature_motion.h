@@ -75,6 +75,11 @@ class FeatureMotionEstimator {
   void measure_ego_motion(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                           const std::vector<std::uint8_t>& low, std::uint64_t seed,
                           FeatureMotion& motion);
+  /// The same from the features flagged `support`; what was measured before stays, unless twice as
+  /// many of them agree with the motion that they tell. Whether it was replaced.
+  bool measure_ego_motion_anew(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                               const std::vector<std::uint8_t>& support, std::uint64_t seed,
+                               FeatureMotion& motion);
   /// Follows those of the `wanted` features that `track` left out, after the ego-motion, with their
   /// residuals.
   void follow_more(const cv::Mat& depth, const std::vector<cv::Point2f>& points,

@@ -1,5 +1,7 @@
 #include "dkp_slam/dynamics/motion/feature_motion.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "dkp_slam/dynamics/motion/test_texture.h"
@@ -73,6 +75,30 @@ TEST(FeatureMotion, GoesOnFromTheLastMotionThatWasTold) {
     EXPECT_NEAR(found.translation.x(), metres, 0.003) << k;
     EXPECT_LT(found.angle(), 0.003) << k;
   }
+}
+
+TEST(FeatureMotion, IsMeasuredAnewFromSupportThatTellsAnother) {
+  const double shift = 6.0, metres = shift * wall / focal;
+  const cv::Mat depth(height, width, CV_32FC1, cv::Scalar(wall));
+  const std::vector<cv::Point2f> at = points(40, 56);  // somebody has more
+  FeatureMotionOptions options;
+  options.coarse_rotation = false;  // people hide too much for it
+  FeatureMotionEstimator estimator(camera(), options);
+  estimator.track(picture(0, 0), depth, at, {}, {}, 0.0);
+  FeatureMotion motion = estimator.track(picture(shift, 0), depth, at, {}, {}, 1 / 30.0);
+  const auto moved = [&] { return motion.camera_motion->previous_from_current.inverse(); };
+  estimator.measure_ego_motion(depth, at, std::vector<std::uint8_t>(at.size(), 1), 1, motion);
+  ASSERT_TRUE(motion.camera_motion);
+  ASSERT_NEAR(moved().translation.x(), 0.0, 0.003) << "somebody's, to begin with";
+
+  std::vector<std::uint8_t> room(at.size(), 0), nobody(at.size(), 0);
+  std::fill_n(room.begin(), 40, 1);
+  EXPECT_FALSE(estimator.measure_ego_motion_anew(depth, at, nobody, 1, motion));
+  EXPECT_NEAR(moved().translation.x(), 0.0, 0.003);
+  EXPECT_TRUE(estimator.measure_ego_motion_anew(depth, at, room, 1, motion));
+  EXPECT_NEAR(moved().translation.x(), metres, 0.003);
+  EXPECT_NEAR(estimator.current_from_previous().translation.x(), metres, 0.003);
+  EXPECT_FALSE(estimator.measure_ego_motion_anew(depth, at, room, 1, motion)) << "it is that";
 }
 
 }  // namespace

@@ -96,4 +96,33 @@ void add_points_on_planes(const DepthView& view, const std::vector<cv::Point2f>&
   }
 }
 
+std::vector<std::uint8_t> planes_left_behind(const DepthView& view,
+                                             const std::vector<cv::Point2f>& points,
+                                             const std::vector<std::uint8_t>& support,
+                                             const FeatureMotion& motion, float moving,
+                                             const PlaneOptions& planes, std::uint64_t seed) {
+  constexpr double many = 0.25, half = 0.5;  // shares of the points that do not agree
+  constexpr int few = 20, least_on_planes = 30;
+  const auto left_behind = [&](const std::vector<std::uint8_t>& flags) {
+    int measured = 0, behind = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (flags[i] == 0 || motion.tracks.tracked[i] == 0) continue;
+      ++measured;
+      behind += motion.residual[i] < moving ? 0 : 1;  // all where no motion was told
+    }
+    return std::pair(measured, behind);
+  };
+  const auto [measured, behind] = left_behind(support);
+  if (measured <= few || behind <= many * measured) return {};
+  const PlaneOptions large = larger_than_people(planes);
+  std::vector<std::uint8_t> on(points.size(), 0);
+  add_points_on_planes(view, points, fit_planes(view, {}, large, seed), large, on);
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    if (support[i] == 0) on[i] = 0;
+  }
+  const auto [on_planes, planes_behind] = left_behind(on);
+  if (on_planes < least_on_planes || planes_behind <= half * on_planes) return {};
+  return on;
+}
+
 }  // namespace dkp_slam

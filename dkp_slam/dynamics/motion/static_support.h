@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "dkp_slam/dynamics/motion/feature_motion.h"
 #include "dkp_slam/geometry/planes/depth_view.h"
 #include "dkp_slam/geometry/planes/plane.h"
 
@@ -31,5 +32,15 @@ std::vector<std::uint8_t> near_moving(const std::vector<cv::Point2f>& points,
 void add_points_on_planes(const DepthView& view, const std::vector<cv::Point2f>& points,
                           const std::vector<Plane>& planes, const PlaneOptions& options,
                           std::vector<std::uint8_t>& flags);
+
+/// Flags the points of `support` on planes larger than people, where the motion that the support
+/// told leaves many of its points and half of these behind: somebody in a checked shirt has told
+/// it, not the room. The same where they told none. `moving`: residual, pixels, from which a point
+/// does not agree; `planes`: how planes are looked for. Empty where nothing speaks against it.
+std::vector<std::uint8_t> planes_left_behind(const DepthView& view,
+                                             const std::vector<cv::Point2f>& points,
+                                             const std::vector<std::uint8_t>& support,
+                                             const FeatureMotion& motion, float moving,
+                                             const PlaneOptions& planes, std::uint64_t seed);
 
 }  // namespace dkp_slam

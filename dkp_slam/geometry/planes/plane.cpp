@@ -117,6 +117,13 @@ void PlaneOptions::describe(OptionList& list) {
 
 void PlaneOptions::check() const { check_options(*this); }
 
+PlaneOptions larger_than_people(PlaneOptions options) {
+  constexpr double extent = 1.0, width = 0.6;  // metres
+  options.min_extent = std::max(options.min_extent, extent);
+  options.min_width = std::max(options.min_width, width);
+  return options;
+}
+
 void InlierCounter::add(const Eigen::Vector3f& point, float tolerance) {
   x_.push_back(point.x());
   y_.push_back(point.y());

@@ -42,6 +42,10 @@ struct PlaneOptions {
   void check() const;  ///< throws `Error`, which names field, value and bound
 };
 
+/// The same for planes that are nobody's: a table, a floor or a wall stands still, whatever else is
+/// known of the view. A back is narrower; two side by side seldom make one plane of this size.
+PlaneOptions larger_than_people(PlaneOptions options);
+
 /// Points, each with the distance by which it may lie off a plane: RANSAC asks again and again how
 /// many a plane holds. Kept by coordinate, so that the compiler counts several at a time.
 class InlierCounter {
