@@ -100,12 +100,9 @@ void MotionDetector::find_planes(const cv::Mat& depth) {
   const std::vector<Plane> planes = fit_planes(view, {}, options_.planes, seed);
   const int step = grid_.step(), half = step / 2;
   for (int v = 0; v < on_planes_.rows; ++v) {
-    const int y = std::min((v * step + half) / DepthView::step, view.depth.rows - 1);
     for (int u = 0; u < on_planes_.cols; ++u) {
-      const int x = std::min((u * step + half) / DepthView::step, view.depth.cols - 1);
-      const bool on = std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
-        return runs_along(view, plane, x, y, options_.planes);
-      });
+      const cv::Point centre(u * step + half, v * step + half);
+      const bool on = runs_along_any(view, planes, centre, options_.planes);
       on_planes_.at<uchar>(v, u) = on ? 255 : 0;
     }
   }

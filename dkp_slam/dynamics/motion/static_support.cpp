@@ -88,11 +88,8 @@ void add_points_on_planes(const DepthView& view, const std::vector<cv::Point2f>&
                           const std::vector<Plane>& planes, const PlaneOptions& options,
                           std::vector<std::uint8_t>& flags) {
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const cv::Point at(std::clamp(cvRound(points[i].x) / DepthView::step, 0, view.depth.cols - 1),
-                       std::clamp(cvRound(points[i].y) / DepthView::step, 0, view.depth.rows - 1));
-    for (const Plane& plane : planes) {
-      if (flags[i] == 0 && runs_along(view, plane, at.x, at.y, options)) flags[i] = 1;
-    }
+    const cv::Point pixel(cvRound(points[i].x), cvRound(points[i].y));
+    if (flags[i] == 0 && runs_along_any(view, planes, pixel, options)) flags[i] = 1;
   }
 }
 

@@ -10,6 +10,14 @@ namespace {
 
 using Flags = std::vector<std::uint8_t>;
 
+Camera camera() {
+  Camera c;
+  c.fx = c.fy = 525.0;
+  c.cx = 319.5;
+  c.cy = 239.5;
+  return c;
+}
+
 TEST(StaticSupport, IsWhatLiesOutsideAllBoxes) {
   const std::vector<cv::Point2f> points = {{10, 10}, {60, 60}, {150, 60}, {300, 300}};
   EXPECT_EQ(outside_boxes(points, {{50, 50, 50, 50}, {140, 50, 20, 20}}), (Flags{1, 0, 0, 1}));
@@ -46,13 +54,9 @@ TEST(StaticSupport, LooksCloserWhereAThirdMoves) {
 }
 
 TEST(StaticSupport, TakesPointsOnAPlaneInBoxesToo) {
-  Camera camera;
-  camera.fx = camera.fy = 525.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
   cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(3.0F));
   depth.colRange(200, 300) = 2.0F;
-  const DepthView view = make_depth_view(depth, depth_view_rays(camera));
+  const DepthView view = make_depth_view(depth, depth_view_rays(camera()));
   const Plane wall{Eigen::Vector3f::UnitZ(), 3.0F};
   Flags flags{0, 0, 1};
   add_points_on_planes(view, {{100, 100}, {250, 100}, {260, 100}}, {wall}, {}, flags);
@@ -69,17 +73,13 @@ struct Crowded {
 };
 
 Crowded crowded() {
-  Camera camera;
-  camera.fx = camera.fy = 525.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
   cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(3.0F));
   const cv::Range somebody(200, 440);
   for (int u = somebody.start; u < somebody.end; ++u) {
     depth.col(u) = 1.8 - 0.3 * std::sin(CV_PI * (u - somebody.start) / somebody.size());
   }
   Crowded scene;
-  scene.view = make_depth_view(depth, depth_view_rays(camera));
+  scene.view = make_depth_view(depth, depth_view_rays(camera()));
   const auto add = [&](int from, int to, int rows, bool wall) {
     for (int u = from; u < to; u += 20) {
       for (int r = 0; r < rows; ++r) {

@@ -222,6 +222,14 @@ bool runs_along(const DepthView& view, const Plane& plane, int x, int y,
   return true;
 }
 
+bool runs_along_any(const DepthView& view, const std::vector<Plane>& planes, const cv::Point& pixel,
+                    const PlaneOptions& options) {
+  const int x = std::clamp(pixel.x / DepthView::step, 0, view.depth.cols - 1);
+  const int y = std::clamp(pixel.y / DepthView::step, 0, view.depth.rows - 1);
+  return std::any_of(planes.begin(), planes.end(),
+                     [&](const Plane& plane) { return runs_along(view, plane, x, y, options); });
+}
+
 cv::Mat plane_pixels(const DepthView& view, const std::vector<Plane>& planes, const cv::Rect& area,
                      const PlaneOptions& options) {
   cv::Mat out = cv::Mat::zeros(view.depth.size(), CV_8UC1);

@@ -78,6 +78,10 @@ bool lies_on(const Plane& plane, const Eigen::Vector3f& point, const PlaneOption
 bool runs_along(const DepthView& view, const Plane& plane, int x, int y,
                 const PlaneOptions& options);
 
+/// The same for any of the planes, at a pixel of the image (the nearest inside it).
+bool runs_along_any(const DepthView& view, const std::vector<Plane>& planes, const cv::Point& pixel,
+                    const PlaneOptions& options);
+
 /// 255 where the view's surface lies on one of the planes and runs along it: a person who stands
 /// in the floor's or table's extension crosses it, but does not run along it. CV_8UC1, computed
 /// within `area` only (0 elsewhere).
