@@ -74,7 +74,8 @@ Recorded copy(RgbdSource& source, FrameFolder& folder, const RecordArguments& ar
   Recorded recorded;
   std::optional<double> before;
   try {
-    while (!interrupted() && recorded.written < most) {
+    // What is live ends by itself then, after what it had sent.
+    while ((is_live(arguments.source.name) || !interrupted()) && recorded.written < most) {
       const auto frame = source.read();
       if (!frame) break;
       if (pace) pace->wait_for(frame->timestamp, &interrupt_flag());

@@ -36,8 +36,7 @@ struct OpenedSource {
 };
 
 /// Opens a folder, a bag or a Kinect, or waits for the first driver of a stream. The camera is that
-/// of
-/// --camera, else the stream's, bag's or folder's own or what the folder tells (choose_camera).
+/// of --camera, else the stream's, bag's or folder's own or what the folder tells (choose_camera).
 /// Ctrl-C ends the wait. Throws `Error`.
 OpenedSource open_source(const SourceChoice& choice);
 

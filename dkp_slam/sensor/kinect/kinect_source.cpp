@@ -71,11 +71,12 @@ class FreenectSource : public KinectSource {
 
   std::optional<RgbdFrame> read() override {
     std::unique_lock lock(mutex_);
-    while (waiting_.empty() && failure_.empty() && !stopped()) {
-      arrived_.wait_for(lock, milliseconds(100));  // a signal may be taken by another thread
+    // Also when it was stopped: what the Kinect had sent by then is not lost.
+    arrived_.wait(lock, [this] { return !waiting_.empty() || heard_all_; });
+    if (waiting_.empty()) {
+      if (failure_.empty()) return std::nullopt;
+      throw Error(failure_);
     }
-    if (stopped()) return std::nullopt;
-    if (waiting_.empty()) throw Error(failure_);
     const Pair pair = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();
@@ -120,6 +121,10 @@ class FreenectSource : public KinectSource {
         break;
       }
       std::this_thread::sleep_for(milliseconds(200));
+    }
+    {
+      const std::scoped_lock lock(mutex_);
+      heard_all_ = true;
     }
     arrived_.notify_all();
   }
@@ -205,10 +210,11 @@ class FreenectSource : public KinectSource {
   StampPairing<cv::Mat> pairing_;
   std::optional<double> before_;  // stamp of the pair before, of this device
 
-  std::mutex mutex_;  // of the three below
+  std::mutex mutex_;  // of the four below
   std::condition_variable arrived_;
   std::deque<Pair> waiting_;
   std::string failure_;
+  bool heard_all_ = false;  // nothing more will wait
 
   std::thread thread_;  // last: it uses the others
 };

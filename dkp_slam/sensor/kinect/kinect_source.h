@@ -12,7 +12,7 @@ namespace dkp_slam {
 
 struct KinectOptions {
   int number = 0;  ///< which of those that are plugged in, from 0
-  /// Ends every wait when set. May be null.
+  /// Ends the taking of images, and every wait for them, when set. May be null.
   const std::atomic<bool>* stop = nullptr;
   /// Seconds without an image after which it is given up: it was unplugged and did not come back.
   double reconnect = 30.0;
@@ -28,8 +28,8 @@ struct KinectOptions {
 /// Images are taken by a thread of its own and paired by the device's stamps, counted on from the
 /// host's clock at the first image. A pair that never came, by the stamps, or came while 30 waited
 /// to be read is counted and said. When it is unplugged or falls silent, that is said, and it is
-/// opened again until it is back; `read` throws when no image came for `KinectOptions::reconnect`,
-/// and gives nothing when the stop flag is set.
+/// opened again until it is back; `read` throws when no image came for `KinectOptions::reconnect`;
+/// when the stop flag is set it gives the pairs that came before, then nothing.
 class KinectSource : public RgbdSource {
  public:
   /// To be called before the first `read`: depth outside the camera's range becomes 0. Its
