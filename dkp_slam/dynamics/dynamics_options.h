@@ -3,13 +3,13 @@
 #include "dkp_slam/dynamics/compensation/object_tracker.h"
 #include "dkp_slam/dynamics/masks/clustering.h"
 #include "dkp_slam/dynamics/masks/static_background.h"
-#include "dkp_slam/dynamics/masks/static_planes.h"
 #include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/dynamics/motion/feature_motion.h"
 #include "dkp_slam/dynamics/motion/moving_surfaces.h"
 #include "dkp_slam/dynamics/removal/epipolar.h"
 #include "dkp_slam/dynamics/removal/regions.h"
 #include "dkp_slam/dynamics/removal/removal_options.h"
+#include "dkp_slam/geometry/planes/static_planes.h"
 
 namespace dkp_slam {
 

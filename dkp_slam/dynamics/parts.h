@@ -9,11 +9,11 @@
 #include "dkp_slam/dynamics/dynamics_options.h"
 #include "dkp_slam/dynamics/given_masks.h"
 #include "dkp_slam/dynamics/masks/mask_cutter.h"
-#include "dkp_slam/dynamics/masks/static_planes.h"
 #include "dkp_slam/dynamics/motion/feature_motion.h"
 #include "dkp_slam/dynamics/motion/moving_surfaces.h"
 #include "dkp_slam/dynamics/removal/feature_classifier.h"
 #include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/geometry/planes/static_planes.h"
 
 namespace dkp_slam {
 

@@ -1,6 +1,5 @@
 #include "dkp_slam/config/option_list.h"
 #include "dkp_slam/dynamics/masks/clustering.h"
-#include "dkp_slam/dynamics/masks/static_planes.h"
 
 namespace dkp_slam {
 
@@ -73,23 +72,5 @@ void ClusteringOptions::describe(OptionList& list) {
 }
 
 void ClusteringOptions::check() const { check_options(*this); }
-
-void StaticPlanesOptions::describe(OptionList& list) {
-  list.add("memory", memory, at_least(0), "seconds",
-           "that a plane is remembered after it was last found");
-  list.add("proof", proof, at_least(0), "seconds",
-           "over which a plane must have been found to be remembered");
-  list.add("large_proof", large_proof, at_least(0), "seconds", "the same, of a large plane");
-  list.add("large_extent", large_extent, at_least(0), "metres", "of a large plane");
-  list.add("large_width", large_width, at_least(0), "metres", "of a large plane, across");
-  list.add("min_support", min_support, between(0, 1), "",
-           "of the view's depth on a plane that stays");
-  list.add("most_turn", most_turn, at_least(0), "radians", "by which a plane is fitted anew");
-  list.add("most_shift", most_shift, at_least(0), "metres", "by which a plane is fitted anew");
-  list.add("same_turn", same_turn, at_least(0), "radians", "between two planes that are one");
-  list.add("same_shift", same_shift, at_least(0), "metres", "between two planes that are one");
-}
-
-void StaticPlanesOptions::check() const { check_options(*this); }
 
 }  // namespace dkp_slam

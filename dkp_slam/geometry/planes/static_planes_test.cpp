@@ -1,4 +1,4 @@
-#include "dkp_slam/dynamics/masks/static_planes.h"
+#include "dkp_slam/geometry/planes/static_planes.h"
 
 #include <gtest/gtest.h>
 
