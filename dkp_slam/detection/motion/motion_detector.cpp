@@ -25,6 +25,7 @@ MotionDetector::MotionDetector(const Camera& camera, const MotionDetectorOptions
       ego_(camera, options.ego),
       background_(grid_, camera, options.background),
       evidence_(grid_, options.evidence),
+      planes_(options.static_planes, options.planes),
       rays_(depth_view_rays(camera_)) {
   restart();
 }
@@ -32,6 +33,7 @@ MotionDetector::MotionDetector(const Camera& camera, const MotionDetectorOptions
 void MotionDetector::restart() {
   past_.clear();
   background_.clear();
+  planes_ = StaticPlanes(options_.static_planes, options_.planes);
   log_odds_ = cv::Mat::zeros(grid_.size(), CV_32FC1);
   standing_ = cv::Mat::zeros(grid_.size(), CV_32FC1);
   moving_ = cv::Mat::zeros(grid_.size(), CV_8UC1);
@@ -62,7 +64,7 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
   const double seconds = past_.empty() ? 0.0 : frame.timestamp - past_.back().timestamp;
   const EgoMotion motion = ego_.update(grey, frame.depth, trust());
   if (!past_.empty() && (!motion.valid || seconds <= 0.0 || seconds > options_.max_gap)) restart();
-  find_planes(frame.depth);
+  find_planes(frame, motion.current_from_previous);
 
   const cv::Mat none = cv::Mat::zeros(grid_.size(), CV_8UC1);
   if (past_.empty()) {
@@ -94,10 +96,12 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
   return motion_detections(moving_, log_odds_, grid_, frame.colour.size(), options_.regions);
 }
 
-void MotionDetector::find_planes(const cv::Mat& depth) {
+void MotionDetector::find_planes(const RgbdFrame& frame, const Se3& current_from_previous) {
   constexpr std::uint64_t seed = 1;  // the same image has the same planes
-  const DepthView view = make_depth_view(depth, rays_);
-  const std::vector<Plane> planes = fit_planes(view, {}, options_.planes, seed);
+  const DepthView view = make_depth_view(frame.depth, rays_);
+  planes_.move(current_from_previous);
+  planes_.look(view, {}, {}, frame.timestamp, seed);
+  const std::vector<Plane> planes = planes_.surest();
   const int step = grid_.step(), half = step / 2;
   for (int v = 0; v < on_planes_.rows; ++v) {
     for (int u = 0; u < on_planes_.cols; ++u) {

@@ -14,6 +14,7 @@
 #include "dkp_slam/detection/motion/motion_regions.h"
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/geometry/planes/plane.h"
+#include "dkp_slam/geometry/planes/static_planes.h"
 
 namespace dkp_slam {
 
@@ -43,6 +44,9 @@ struct MotionDetectorOptions {
   EgoMotionOptions ego;
   /// The room's, which count in full for the camera's motion as what has long stood still does.
   PlaneOptions planes = larger_than_people({});
+  /// Those that have long been there count alone, also where people hide most of them: two backs
+  /// side by side are as large for a moment.
+  StaticPlanesOptions static_planes;
   BackgroundOptions background;
   MotionEvidenceOptions evidence;
   MotionRegionOptions regions;
@@ -85,7 +89,7 @@ class MotionDetector : public Detector {
   const Past& flow_partner(double timestamp) const;
   /// How much each cell of the last frame says about the camera's motion, 0 to 1.
   cv::Mat trust() const;
-  void find_planes(const cv::Mat& depth);
+  void find_planes(const RgbdFrame& frame, const Se3& current_from_previous);
   void carry(const CoarseView& view, const cv::Mat& flow, float share, double seconds);
   void gather(const CoarseView& view, const cv::Mat& depth_evidence, const MotionEvidence& motion,
               double seconds);
@@ -97,10 +101,11 @@ class MotionDetector : public Detector {
   BackgroundModel background_;
   MotionEvidenceFinder evidence_;
   std::deque<Past> past_;
-  cv::Mat log_odds_;   ///< CV_32FC1, of motion
-  cv::Mat standing_;   ///< CV_32FC1, seconds since the cell's point came and stands still
-  cv::Mat moving_;     ///< CV_8UC1, mask of the last frame
-  cv::Mat on_planes_;  ///< CV_8UC1, 255 where the last frame shows a large plane
+  cv::Mat log_odds_;  ///< CV_32FC1, of motion
+  cv::Mat standing_;  ///< CV_32FC1, seconds since the cell's point came and stands still
+  cv::Mat moving_;    ///< CV_8UC1, mask of the last frame
+  StaticPlanes planes_;
+  cv::Mat on_planes_;  ///< CV_8UC1, 255 where the last frame shows one of them
   cv::Mat rays_;       ///< of a `DepthView`
 };
 

@@ -135,8 +135,9 @@ TEST(MotionDetector, FindsABoardThatMovesFromTheFirstFrameOn) {
 }
 
 /// Somebody as round as people are, who fills two thirds of the view and bends sideways, `angle` in
-/// radians. (Shifts alone would not do: a camera that turns as it moves could explain them.)
-World::Shot behind_somebody(World::Shot shot, double angle) {
+/// radians. (Shifts alone would not do: a camera that turns as it moves could explain them.) Or as
+/// flat as two backs side by side.
+World::Shot behind_somebody(World::Shot shot, double angle, bool flat = false) {
   const Texture shirt(4);
   const cv::Size size = shot.board.size();
   const int left = size.width / 6, width = size.width - 2 * left;
@@ -145,7 +146,7 @@ World::Shot behind_somebody(World::Shot shot, double angle) {
       const double x = 0.006 * (u - size.width / 2), y = 0.006 * (v - size.height / 2);
       const float grey = shirt.at(std::cos(angle) * x - std::sin(angle) * y,
                                   std::sin(angle) * x + std::cos(angle) * y);
-      const double bulge = 0.15 * std::sin(CV_PI * (u - left) / width);
+      const double bulge = flat ? -0.5 : 0.15 * std::sin(CV_PI * (u - left) / width);
       shot.frame.colour.at<cv::Vec3b>(v, u) = cv::Vec3b::all(cv::saturate_cast<uchar>(grey));
       shot.frame.depth.at<float>(v, u) = static_cast<float>(0.8 - bulge);
       shot.board.at<uchar>(v, u) = 255;
@@ -167,6 +168,25 @@ TEST(MotionDetector, ALargePlaneIsTheRoomThoughSomebodyFillsTheViewFromTheFirstF
     EXPECT_GT(share(found, shot.board), 0.65) << "frame " << i;  // his middle does not move
     EXPECT_LT(share(found, ~shot.board), 0.1) << "frame " << i;
     EXPECT_LT(share(misled, shot.board), 0.5) << "frame " << i;
+  }
+}
+
+TEST(MotionDetector, ThePlaneThatWasThereIsTheRoomAndNotTwoBacks) {
+  // Who stood still, round, turns flat and bends: a plane twice as large as the wall beside it.
+  const World world;
+  MotionDetectorOptions forgetful;
+  forgetful.static_planes.proof = forgetful.static_planes.large_proof = 1e9;
+  MotionDetector detector(test_camera()), misled(test_camera(), forgetful);
+  constexpr int still = 20;  // frames
+  for (int i = 0; i < still + 15; ++i) {
+    const double angle = 0.02 * std::max(0, i - still);
+    const World::Shot shot = behind_somebody(world.shoot(i, 0.0, 0.0, false), angle, i >= still);
+    const cv::Mat found = mask_of(detector.detect(shot.frame), shot.board.size());
+    const cv::Mat less = mask_of(misled.detect(shot.frame), shot.board.size());
+    if (i < still + 10) continue;
+    EXPECT_GT(share(found, shot.board), 0.6) << "frame " << i;  // his middle does not move
+    EXPECT_LT(share(found, ~shot.board), 0.05) << "frame " << i;
+    EXPECT_LT(share(less, shot.board), 0.1) << "frame " << i;
   }
 }
 

@@ -86,6 +86,7 @@ void MotionDetectorOptions::describe(OptionList& list) {
   list.add("limit", limit, above(0), "log-odds", "that evidence stays within");
   list.add_part("ego", ego, "the camera's own motion");
   list.add_part("planes", planes, "of the room, which tell the camera's motion from the start");
+  list.add_part("static_planes", static_planes, "of these, remembered from frame to frame");
   list.add_part("background", background, "all static surfaces seen so far");
   list.add_part("evidence", evidence, "what flow says of a cell");
   list.add_part("regions", regions, "grown from the cells that moved");

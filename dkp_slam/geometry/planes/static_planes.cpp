@@ -67,14 +67,25 @@ void StaticPlanes::move(const Se3& current_from_previous) {
   }
 }
 
+bool StaticPlanes::is_proved(const Known& known) const {
+  const double needed = known.large ? options_.large_proof : options_.proof;
+  return known.last_found - known.first_found >= needed;
+}
+
 std::vector<Plane> StaticPlanes::planes() const {
   std::vector<Plane> out;
   for (const Known& k : known_) {
-    const double needed = k.large ? options_.large_proof : options_.proof;
-    const bool proved = k.last_found - k.first_found >= needed;
-    if (proved || k.last_found >= time_) out.push_back(k.plane);
+    if (is_proved(k) || k.last_found >= time_) out.push_back(k.plane);
   }
   return out;
+}
+
+std::vector<Plane> StaticPlanes::surest() const {
+  std::vector<Plane> out;
+  for (const Known& k : known_) {
+    if (is_proved(k)) out.push_back(k.plane);
+  }
+  return out.empty() ? planes() : out;
 }
 
 bool StaticPlanes::adapt(const DepthView& view, Plane& plane) const {

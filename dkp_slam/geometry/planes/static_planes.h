@@ -47,6 +47,8 @@ class StaticPlanes {
   void move(const Se3& current_from_previous);
   /// The planes found in the last frame and the remembered ones, camera frame.
   std::vector<Plane> planes() const;
+  /// Of these the ones that have been there for long enough; where none has, all of them.
+  std::vector<Plane> surest() const;
   /// Takes the planes that were found in a frame, drops those that are forgotten or not seen in the
   /// view, and adapts the others to it. `time` in seconds.
   void update(const DepthView& view, const std::vector<Plane>& found, double time);
@@ -64,6 +66,7 @@ class StaticPlanes {
     bool large = false;                          ///< was seen to be too large for anybody
   };
   bool is_large(const Plane& plane) const;
+  bool is_proved(const Known& known) const;
   bool runs_through_people(const DepthView& view, const cv::Mat& people, const Plane& plane) const;
   bool adapt(const DepthView& view, Plane& plane) const;
 

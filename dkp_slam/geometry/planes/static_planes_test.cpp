@@ -106,6 +106,18 @@ TEST(StaticPlanes, WhatWasFlatForAMomentIsNotRemembered) {
   EXPECT_EQ(known.planes().size(), 1U);
 }
 
+TEST(StaticPlanes, WhatHasLongBeenThereIsSurerThanWhatIsNew) {
+  const Plane back{Eigen::Vector3f::UnitZ(), 1.0F};
+  StaticPlanes known({}, {});
+  known.update(view_of_table(640), {back}, -1.5);
+  EXPECT_EQ(known.surest().size(), 1U);  // nothing better is known
+  known = planes_with_table();
+  known.update(view_of_table(640), {table(), back}, 0.1);
+  EXPECT_EQ(known.planes().size(), 2U);
+  ASSERT_EQ(known.surest().size(), 1U);
+  EXPECT_FLOAT_EQ(known.surest()[0].distance, table_height);
+}
+
 TEST(StaticPlanes, LargeOnesAreRememberedAlmostAtOnce) {
   Plane floor = table();
   floor.extent = 2.5F;
