@@ -65,7 +65,6 @@ bool Tracker::localize(Frame& frame) {
     if (found) correct_shutter(frame, frame.camera_from_world * last_.camera_from_world.inverse());
     found = found && track_local_map(frame);
   }
-  found = found || find_near(frame);
   if (!found && relocalize(map_, places_, model_, seed_, frame) && track_local_map(frame)) {
     // The place may lie in another map, and the way there is no motion of the camera.
     map_.set_current_map(map_.keyframe(frame.reference_keyframe).map);
@@ -156,21 +155,6 @@ void Tracker::correct_shutter(Frame& frame, const Se3& motion) const {
   // That is the velocity half a frame ago; at the frame's own moment it has changed on.
   if (motion_time_ > 0.0) velocity += 0.5 * (velocity - motion_.log() / motion_time_);
   frame.features.correct_rolling_shutter(map_.camera(), velocity);
-}
-
-bool Tracker::find_near(Frame& frame) {
-  const bool lost = state_ == TrackingState::lost;
-  const Se3 step = lost ? frame.current_from_previous.value_or(Se3()) : predicted_motion(frame);
-  since_last_ = lost ? step * since_last_ : step;
-  if (last_.index < 0 || frame.timestamp - map_time_ > options_.longest_carry) return false;
-  frame.camera_from_world = since_last_ * last_.camera_from_world;
-  if (localize_near(map_, model_, seed_, last_.reference_keyframe, frame) > 0 &&
-      track_local_map(frame)) {
-    return true;
-  }
-  frame.reference_keyframe = last_.reference_keyframe;
-  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
-  return false;
 }
 
 bool Tracker::carry_by_motion(Frame& frame) {

@@ -115,8 +115,6 @@ class Tracker {
   std::vector<int> local_landmarks(Frame& frame) const;
   void drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const;
   void weigh_evidence(Frame& frame, const std::vector<FrameMatch>& matches);
-  /// Near where the map was last seen, by the motions that were measured since.
-  bool find_near(Frame& frame);
   bool carry_by_motion(Frame& frame);
   Se3 predicted_motion(const Frame& frame) const;
   bool keyframe_is_due(const Frame& frame, bool adjusting) const;
@@ -136,8 +134,7 @@ class Tracker {
   Se3 motion_;                ///< camera at the last frame from camera at the one before
   double motion_time_ = 0.0;  ///< seconds that motion took; 0 when unknown
   double keyframe_time_ = 0.0;
-  Se3 since_last_;         ///< the camera's motion since `last_`, as far as it was measured
-  double map_time_ = 0.0;  ///< of the last frame that was localised in the map
+  double map_time_ = 0.0;             ///< of the last frame that was localised in the map
   std::optional<double> lost_since_;  ///< timestamp of the first frame that was not localised
   int tracked_landmarks_ = 0;
 };

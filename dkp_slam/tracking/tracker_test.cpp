@@ -25,7 +25,6 @@ struct Tracking : ::testing::Test {
   PlaceIndex places;
   TrackerOptions options;
   bool localize_only = false;
-  bool fill_index = true;  // else no place is recognised
   std::optional<Tracker> made_;
 
   /// Made at the first call, with the options as they are then.
@@ -45,7 +44,7 @@ struct Tracking : ::testing::Test {
     const TrackingResult result = tracker().track(frame, adjusting);
     if (result.keyframe_due) {
       world.add_keyframe(map, frame, points_);
-      if (fill_index) places.add_keyframe(map, frame.reference_keyframe);
+      places.add_keyframe(map, frame.reference_keyframe);
     }
     if (result.localised) tracker().settle(frame, result.keyframe_due);
     return result;
@@ -169,23 +168,6 @@ TEST_F(Tracking, FindsTheMapAgainWhereItWasCarriedTo) {
   ASSERT_TRUE(track(frame).localised);
   EXPECT_GE(tracker().tracked_landmarks(), 20);
   EXPECT_LT(pose_distance(frame.camera_from_world, jerked(9)), 0.002);
-}
-
-TEST_F(Tracking, FindsItselfNearWhereItWasLost) {
-  fill_index = false;
-  follow(0, 5);
-  // Nothing tells where the camera went while the view was covered, but for the last frame.
-  Frame covered_view = covered(5);
-  covered_view.current_from_previous.reset();
-  ASSERT_FALSE(track(covered_view).localised);
-  // Ten pixels and more from there, where no frame is looked for that is tracked.
-  const Se3 truth = pose(0.04, 0.03, 0.0, 0.02);
-  for (const bool in_time : {false, true}) {
-    Frame frame = frame_at(truth, in_time ? 8 : 5 + static_cast<int>(31 * options.longest_carry));
-    keep_static(frame, 60);
-    ASSERT_EQ(track(frame).localised, in_time);
-    if (in_time) EXPECT_LT(pose_distance(frame.camera_from_world, truth), 2e-3);
-  }
 }
 
 TEST_F(Tracking, IsCarriedByAMeasuredMotionOnly) {
