@@ -66,20 +66,20 @@ void note(double timestamp, bool taken, Recorded& recorded, std::optional<double
 }
 
 Recorded copy(RgbdSource& source, FrameFolder& folder, const RecordArguments& arguments) {
-  const bool live = arguments.realtime || is_live(arguments.source.name);
+  const bool live = is_live(arguments.source.name);
   const std::size_t most = arguments.frames.value_or(std::numeric_limits<std::size_t>::max());
   std::optional<Pace> pace;
-  if (arguments.realtime && !is_live(arguments.source.name)) pace.emplace(1.0);
+  if (arguments.realtime && !live) pace.emplace(1.0);
   Progress progress("record", arguments.frames ? arguments.frames : source.size());
   Recorded recorded;
   std::optional<double> before;
   try {
-    // What is live ends by itself then, after what it had sent.
-    while ((is_live(arguments.source.name) || !interrupted()) && recorded.written < most) {
+    // At Ctrl-C what is live ends by itself, after what it had sent.
+    while ((live || !interrupted()) && recorded.written < most) {
       const auto frame = source.read();
       if (!frame) break;
       if (pace) pace->wait_for(frame->timestamp, &interrupt_flag());
-      note(frame->timestamp, folder.add(*frame, !live), recorded, before);
+      note(frame->timestamp, folder.add(*frame, !live && !arguments.realtime), recorded, before);
       progress.update(recorded.written);
     }
     folder.finish();

@@ -33,7 +33,7 @@ MotionDetector::MotionDetector(const Camera& camera, const MotionDetectorOptions
 void MotionDetector::restart() {
   past_.clear();
   background_.clear();
-  planes_ = StaticPlanes(options_.static_planes, options_.planes);
+  planes_.forget();
   log_odds_ = cv::Mat::zeros(grid_.size(), CV_32FC1);
   standing_ = cv::Mat::zeros(grid_.size(), CV_32FC1);
   moving_ = cv::Mat::zeros(grid_.size(), CV_8UC1);

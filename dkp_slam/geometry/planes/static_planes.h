@@ -43,6 +43,7 @@ class StaticPlanes {
   StaticPlanes(const StaticPlanesOptions& options, const PlaneOptions& planes)
       : options_(options), plane_options_(planes) {}
 
+  void forget() { known_.clear(); }
   /// Takes the remembered planes along with the camera. To be called once for every frame.
   void move(const Se3& current_from_previous);
   /// The planes found in the last frame and the remembered ones, camera frame.
