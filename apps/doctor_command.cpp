@@ -14,11 +14,14 @@
 
 #include "apps/camera_choice.h"
 #include "apps/commands.h"
+#include "dkp_slam/dense/octomap/octomap_file.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/detection/yolox_options.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/statistics.h"
 #include "dkp_slam/feature/orb_extractor.h"
+#include "dkp_slam/sensor/bag/bag_source.h"
+#include "dkp_slam/sensor/kinect/kinect_source.h"
 #include "dkp_slam/stopwatch.h"
 #include "dkp_slam/version.h"
 
@@ -88,6 +91,28 @@ Finding libraries() {
   return found;
 }
 
+/// What is built in only where its library was there.
+Finding parts() {
+  const struct {
+    const char *name, *extra;  // of `scripts/setup.sh --with`
+    bool there;
+  } all[] = {{"Kinect", "kinect", can_read_kinects()},
+             {"bags", "ros", can_read_bags()},
+             {"OctoMap", "dense", has_octomap()}};
+  std::vector<const char*> there, missing, extras;
+  for (const auto& part : all) {
+    (part.there ? there : missing).push_back(part.name);
+    if (!part.there) extras.push_back(part.extra);
+  }
+  Finding found{Finding::State::good, "parts", fmt::format("{}", fmt::join(there, ", ")), ""};
+  if (missing.empty()) return found;
+  found.state = Finding::State::missing;
+  found.text += fmt::format("{}without {}", there.empty() ? "" : "; ", fmt::join(missing, ", "));
+  found.remedy = fmt::format("only who needs them: scripts/setup.sh --with {} && scripts/build.sh",
+                             fmt::join(extras, ","));
+  return found;
+}
+
 Finding cameras() {
   try {
     choose_camera({}, "fr1");  // all lie in one folder
@@ -148,7 +173,7 @@ Finding speed(const cv::Mat& picture, double detector_ms) {
 void doctor() {
   const cv::Mat picture = test_picture();
   double detector_ms = 0.0;
-  std::vector<Finding> findings{processor(), libraries(), cameras()};
+  std::vector<Finding> findings{processor(), libraries(), parts(), cameras()};
   findings.push_back(detector(picture, detector_ms));
   findings.push_back(speed(picture, detector_ms));
   fmt::print("dkp-slam {}\n", DKP_SLAM_VERSION);

@@ -11,7 +11,10 @@
 #include <gtest/gtest.h>
 
 #include "apps/test_program.h"
+#include "dkp_slam/dense/octomap/octomap_file.h"
 #include "dkp_slam/map_file/test_folder.h"
+#include "dkp_slam/sensor/bag/bag_source.h"
+#include "dkp_slam/sensor/kinect/kinect_source.h"
 
 namespace dkp_slam {
 namespace {
@@ -132,6 +135,13 @@ TEST_F(HelpCommand, TheManualPageHasEveryOption) {
 TEST_F(HelpCommand, TheDoctorTellsWhatIsMissingAndWhatMendsIt) {
   ASSERT_EQ(call({"doctor"}), 0) << stderr_;
   EXPECT_THAT(stdout_, HasSubstr("ok processor"));
+  // What was found when it was configured, and of what was not how to get it.
+  if (can_read_kinects() && can_read_bags() && has_octomap()) {
+    EXPECT_THAT(stdout_, HasSubstr("ok parts      Kinect, bags, OctoMap\n"));
+  } else {
+    EXPECT_THAT(stdout_, HasSubstr("-- parts      "));
+    EXPECT_THAT(stdout_, HasSubstr("-> only who needs them: scripts/setup.sh --with "));
+  }
   EXPECT_THAT(stdout_, HasSubstr("-- detector   no YOLOX weights"));
   EXPECT_THAT(stdout_, HasSubstr("-> scripts/fetch_model.sh"));
   EXPECT_THAT(stdout_, HasSubstr("images a second"));

@@ -1,10 +1,15 @@
 // The node, as a robot has it: a roscore of its own, a bag that is played in real time, and
 // somebody who listens.
+#include <filesystem>
+#include <map>
+#include <regex>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <ros/master.h>
+#include <yaml-cpp/yaml.h>
 
 #include "apps/test_sequence.h"
 #include "dkp_slam/sensor/bag/test_bag.h"
@@ -16,6 +21,7 @@ namespace {
 
 using dkp_slam::testing::TestBag;
 using dkp_slam::testing::WallSequence;
+using testing::content;
 using ::testing::HasSubstr;
 using testing::wait_until;
 
@@ -37,6 +43,42 @@ class WallNode : public testing::RosNode {
       out.image("/rgb/image", t, frame->colour, "bgr8");
       out.image("/depth/image", t, millimetres, "16UC1");
     }
+  }
+  /// Every display of the view for RViz that is shipped shows a topic of the running node, of the
+  /// type that it draws, or what the launch file listens to; in the frame that the file tells.
+  static void expect_rviz_shows_what_is_told() {
+    const std::map<std::string, std::string> type_of{
+        {"rviz/Map", "nav_msgs/OccupancyGrid"},
+        {"rviz/PointCloud2", "sensor_msgs/PointCloud2"},
+        {"rviz/Path", "nav_msgs/Path"},
+        {"rviz/PoseWithCovariance", "geometry_msgs/PoseWithCovarianceStamped"}};
+    ros::master::V_TopicInfo topics;
+    ASSERT_TRUE(ros::master::getTopics(topics));
+    std::map<std::string, std::string> told;
+    for (const auto& topic : topics) told[topic.name] = topic.datatype;
+    const auto launch = std::filesystem::path(DKP_SLAM_NODE).parent_path() / "launch";
+    const YAML::Node view = YAML::LoadFile(launch / "rgbd.rviz")["Visualization Manager"];
+    const std::string arguments = content(launch / "rgbd.launch");
+    const auto default_of = [&](const std::string& name) {
+      std::smatch found;
+      const std::regex argument("<arg name=\"" + name + "\" default=\"([^\"]*)\"");
+      return std::regex_search(arguments, found, argument) ? found[1].str() : "no " + name;
+    };
+    EXPECT_EQ(view["Global Options"]["Fixed Frame"].as<std::string>(), default_of("map_frame"));
+    std::size_t shown = 0;
+    for (const YAML::Node& display : view["Displays"]) {
+      const auto kind = display["Class"].as<std::string>();
+      if (kind == "rviz/Image") {
+        EXPECT_EQ(display["Image Topic"].as<std::string>(), default_of("rgb"));
+        continue;
+      }
+      const auto topic = display["Topic"].as<std::string>();
+      ASSERT_EQ(told.count(topic), 1U) << topic;
+      ASSERT_EQ(type_of.count(kind), 1U) << kind;
+      EXPECT_EQ(told[topic], type_of.at(kind)) << topic;
+      ++shown;
+    }
+    EXPECT_EQ(shown, 5U);
   }
   void expect_refused(const std::string& parameter, const std::string& value,
                       const std::string& told) {
@@ -84,6 +126,7 @@ TEST_F(WallNode, AnswersEveryFrameOfABagAndSaysWhatIsWrong) {
   EXPECT_LT(last.pose.covariance[0], 0.01);
   EXPECT_TRUE(wait_until([&] { return path > 0 && landmarks > 50 && cloud > 100; }))
       << path << ' ' << landmarks << ' ' << cloud << log();
+  expect_rviz_shows_what_is_told();
   EXPECT_EQ(started->end(), 0);
   EXPECT_THAT(log(), HasSubstr("20 frames, 20 answered, 0 dropped"));
 }
