@@ -78,6 +78,26 @@ int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uin
   return matches.empty() ? 0 : localize_around(map, model, keyframe, std::move(matches), frame);
 }
 
+int localize_near(const Map& map, const MeasurementModel& model, std::uint64_t seed, int keyframe,
+                  Trust trust, Frame& frame) {
+  constexpr float wide = 12.0F;  // four times as far as where the pose is known
+  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  const std::vector<int> about = further_landmarks(map, keyframe, frame);
+  std::vector<FrameMatch> matches =
+      match_visible(map, frame, landmarks_in_view(map, frame, about), wide);
+  if (trust == Trust::masks) {
+    std::erase_if(matches, [&](const FrameMatch& m) {
+      return !frame.is_static[static_cast<std::size_t>(m.feature)];
+    });
+  }
+  if (matches.size() < least_matches || !align(map, model, seed, matches, frame)) return 0;
+  if (trust == Trust::map) {
+    if (matches.size() < static_cast<std::size_t>(least_inliers)) return 0;
+    for (const FrameMatch& m : matches) frame.is_static[static_cast<std::size_t>(m.feature)] = 1;
+  }
+  return localize_around(map, model, keyframe, std::move(matches), frame);
+}
+
 bool relocalize(const Map& map, const PlaceIndex& places, const MeasurementModel& model,
                 std::uint64_t seed, Frame& frame) {
   std::vector<Descriptor> descriptors;

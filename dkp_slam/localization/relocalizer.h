@@ -34,4 +34,16 @@ int localize_around(const Map& map, const MeasurementModel& model, int keyframe,
 int localize_by_keyframe(const Map& map, const MeasurementModel& model, std::uint64_t seed,
                          int keyframe, Frame& frame);
 
+/// What is believed where the two do not agree.
+enum class Trust {
+  masks,  ///< dynamic features have no say
+  map,    ///< features that agree with many landmarks on one pose are static, whatever hid them
+};
+
+/// The same where the frame's pose is a guess, off by some degrees or a tenth of the distance: a
+/// wide search for the landmarks of the keyframe and those around it, then as above. Finds a view
+/// of which the index knows too little, as what is left beside people.
+int localize_near(const Map& map, const MeasurementModel& model, std::uint64_t seed, int keyframe,
+                  Trust trust, Frame& frame);
+
 }  // namespace dkp_slam

@@ -40,6 +40,7 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
   state_ = TrackingState::tracking;
   lost_since_.reset();
   if (tracked_landmarks_ > 0) map_time_ = frame.timestamp;
+  most_tracked_ = std::max(most_tracked_, tracked_landmarks_);
   assert(has_each_landmark_once(map_, frame));
   return {true, tracked_landmarks_ > 0 && keyframe_is_due(frame, adjusting)};
 }
@@ -47,6 +48,7 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
 TrackedPose Tracker::settle(const Frame& frame, bool became_keyframe) {
   if (became_keyframe) {
     keyframe_time_ = frame.timestamp;
+    most_tracked_ = 0;
     // The first of a map: what it made is what is tracked.
     if (tracked_landmarks_ == 0) tracked_landmarks_ = frame.tracked_landmarks();
   }
@@ -71,7 +73,7 @@ bool Tracker::localize(Frame& frame) {
     motion_time_ = 0.0;
     return true;
   }
-  if (!found && !carry_by_motion(frame)) return false;
+  if (!found && !find_near(frame) && !carry_by_motion(frame) && !find_in_masks(frame)) return false;
   // Only well-founded poses tell how the camera moves: a poor one would be carried on for frames.
   if (tracked_landmarks_ >= options_.least_for_motion) {
     motion_ = frame.camera_from_world * last_.camera_from_world.inverse();
@@ -155,6 +157,37 @@ void Tracker::correct_shutter(Frame& frame, const Se3& motion) const {
   // That is the velocity half a frame ago; at the frame's own moment it has changed on.
   if (motion_time_ > 0.0) velocity += 0.5 * (velocity - motion_.log() / motion_time_);
   frame.features.correct_rolling_shutter(map_.camera(), velocity);
+}
+
+bool Tracker::find_near(Frame& frame) {
+  const bool lost = state_ == TrackingState::lost;
+  const Se3 step = lost ? frame.current_from_previous.value_or(Se3()) : predicted_motion(frame);
+  since_last_ = lost ? step * since_last_ : step;
+  if (last_.index < 0 || frame.timestamp - map_time_ > options_.longest_carry) return false;
+  frame.camera_from_world = since_last_ * last_.camera_from_world;
+  if (localize_near(map_, model_, seed_, last_.reference_keyframe, Trust::masks, frame) > 0 &&
+      track_local_map(frame)) {
+    return true;
+  }
+  frame.reference_keyframe = last_.reference_keyframe;
+  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  return false;
+}
+
+bool Tracker::find_in_masks(Frame& frame) {
+  if (last_.index < 0 || frame.timestamp - map_time_ > options_.longest_carry) return false;
+  const std::vector<char> is_static = frame.is_static;
+  frame.camera_from_world = since_last_ * last_.camera_from_world;
+  if (localize_near(map_, model_, seed_, last_.reference_keyframe, Trust::map, frame) > 0 &&
+      track_local_map(frame)) {
+    spdlog::debug("frame {}: found by what masks hid, {} landmarks tracked", frame.index,
+                  tracked_landmarks_);
+    return true;
+  }
+  frame.reference_keyframe = last_.reference_keyframe;
+  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  frame.is_static = is_static;
+  return false;
 }
 
 bool Tracker::carry_by_motion(Frame& frame) {
@@ -272,6 +305,12 @@ void Tracker::weigh_evidence(Frame& frame, const std::vector<FrameMatch>& matche
   }
 }
 
+/// The reference keyframe does not tell: of a new one few landmarks were seen twice.
+bool Tracker::view_is_left() const {
+  return most_tracked_ >= options_.left_least &&
+         tracked_landmarks_ < options_.left_share * most_tracked_;
+}
+
 bool Tracker::keyframe_is_due(const Frame& frame, bool adjusting) const {
   if (localize_only_) return false;
   const auto room = std::count(frame.is_static.begin(), frame.is_static.end(), 1);
@@ -295,11 +334,14 @@ bool Tracker::keyframe_is_due(const Frame& frame, bool adjusting) const {
   const bool need_near = near_tracked < few && near_free > many;
   const double wanted = adjusting ? options_.urgent_share : options_.keyframe_share;
   if (tracked_landmarks_ < wanted * reference_landmarks) return true;
+  const bool left = view_is_left();
+  if (left && !adjusting) return true;
   // While the last one is still adjusted its landmarks have to do, but for a view that is left by
   // them within a few frames, as one that people hide.
   constexpr double rest = 0.1;  // seconds
   if (adjusting && frame.timestamp - keyframe_time_ < rest) return false;
   const bool sure = tracked_landmarks_ >= options_.least_for_motion;
+  if (left) return true;
   return need_near && (!adjusting || (sure && tracked_landmarks_ < few));
 }
 

@@ -35,6 +35,13 @@ struct TrackerOptions {
   double keyframe_share = 0.75;
   /// Under this share it does not wait for the bundle adjustment under way.
   double urgent_share = 0.5;
+  /// So is one where fewer than this share of the most landmarks that were tracked since the last
+  /// keyframe are: the camera has turned away from what the map knows, and a gap or a blurred frame
+  /// would find nothing there...
+  double left_share = 0.75;
+  /// ... if those were so many. With fewer, keyframe hangs on keyframe by too little, and each more
+  /// is more drift.
+  int left_least = 200;
   /// A frame in which too few landmarks are found is placed by its measured motion from the frame
   /// before, if that was this long ago at most since the map was last seen, seconds: the time that
   /// somebody takes to walk past the camera. Beyond, drift would pass for localisation.
@@ -115,8 +122,13 @@ class Tracker {
   std::vector<int> local_landmarks(Frame& frame) const;
   void drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const;
   void weigh_evidence(Frame& frame, const std::vector<FrameMatch>& matches);
+  /// Near where the map was last seen, by the motions that were measured since.
+  bool find_near(Frame& frame);
+  /// There, by features that masks hide but that agree with the map: a mask may be wrong.
+  bool find_in_masks(Frame& frame);
   bool carry_by_motion(Frame& frame);
   Se3 predicted_motion(const Frame& frame) const;
+  bool view_is_left() const;
   bool keyframe_is_due(const Frame& frame, bool adjusting) const;
   void correct_shutter(Frame& frame, const Se3& motion) const;
   void follow_map_changes();
@@ -134,9 +146,11 @@ class Tracker {
   Se3 motion_;                ///< camera at the last frame from camera at the one before
   double motion_time_ = 0.0;  ///< seconds that motion took; 0 when unknown
   double keyframe_time_ = 0.0;
-  double map_time_ = 0.0;             ///< of the last frame that was localised in the map
+  Se3 since_last_;         ///< the camera's motion since `last_`, as far as it was measured
+  double map_time_ = 0.0;  ///< of the last frame that was localised in the map
   std::optional<double> lost_since_;  ///< timestamp of the first frame that was not localised
   int tracked_landmarks_ = 0;
+  int most_tracked_ = 0;  ///< landmarks, in a frame since the last keyframe
 };
 
 }  // namespace dkp_slam

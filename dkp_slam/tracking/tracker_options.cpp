@@ -22,6 +22,9 @@ void TrackerOptions::describe(OptionList& list) {
            "of the reference keyframe's landmarks; with fewer tracked a keyframe is due");
   list.add("urgent_share", urgent_share, between(0, 1), "",
            "below it the keyframe does not wait for the bundle adjustment under way");
+  list.add("left_share", left_share, between(0, 1), "",
+           "of the most landmarks tracked since the last keyframe; with fewer a keyframe is due");
+  list.add("left_least", left_least, at_least(0), "", "landmarks that the most must have been");
   list.add("longest_carry", longest_carry, at_least(0), "seconds",
            "without the map in which a frame is placed by its measured motion");
   list.add("longest_steady", longest_steady, at_least(0), "seconds",

@@ -25,6 +25,7 @@ struct Tracking : ::testing::Test {
   PlaceIndex places;
   TrackerOptions options;
   bool localize_only = false;
+  bool fill_index = true;  // else no place is recognised
   std::optional<Tracker> made_;
 
   /// Made at the first call, with the options as they are then.
@@ -44,7 +45,7 @@ struct Tracking : ::testing::Test {
     const TrackingResult result = tracker().track(frame, adjusting);
     if (result.keyframe_due) {
       world.add_keyframe(map, frame, points_);
-      places.add_keyframe(map, frame.reference_keyframe);
+      if (fill_index) places.add_keyframe(map, frame.reference_keyframe);
     }
     if (result.localised) tracker().settle(frame, result.keyframe_due);
     return result;
@@ -79,6 +80,19 @@ struct Tracking : ::testing::Test {
     for (int f = 0; f < count; ++f) {
       frame.features.descriptor[static_cast<std::size_t>(f)] = world.random_descriptor();
     }
+  }
+  /// Whether a frame of the camera that stands still, in which this share of the points is tracked,
+  /// asks for a keyframe. All are within 2.5 m: without depth no near features ask for one.
+  bool due_with(int index, double tracked_share, bool adjusting) {
+    Frame frame = frame_at({}, index);
+    const auto fresh = static_cast<int>(std::lround((1.0 - tracked_share) * 300));
+    forget_points(frame, fresh);
+    for (int f = 0; f < fresh; ++f) frame.features.depth[static_cast<std::size_t>(f)] = 0.0F;
+    const TrackingResult result = tracker().track(frame, adjusting);
+    EXPECT_TRUE(result.localised);
+    EXPECT_NEAR(tracker().tracked_landmarks(), 300 - fresh, 1);
+    tracker().settle(frame, false);
+    return result.keyframe_due;
   }
   /// The feature of the frame made last that shows the point; -1 for none.
   int feature_of(int point) const {
@@ -168,6 +182,40 @@ TEST_F(Tracking, FindsTheMapAgainWhereItWasCarriedTo) {
   ASSERT_TRUE(track(frame).localised);
   EXPECT_GE(tracker().tracked_landmarks(), 20);
   EXPECT_LT(pose_distance(frame.camera_from_world, jerked(9)), 0.002);
+}
+
+TEST_F(Tracking, FindsItselfNearWhereItWasLost) {
+  fill_index = false;
+  follow(0, 5);
+  // Nothing tells where the camera went while the view was covered, but for the last frame.
+  Frame covered_view = covered(5);
+  covered_view.current_from_previous.reset();
+  ASSERT_FALSE(track(covered_view).localised);
+  // Ten pixels and more from there, where no frame is looked for that is tracked.
+  const Se3 truth = pose(0.04, 0.03, 0.0, 0.02);
+  for (const bool in_time : {false, true}) {
+    Frame frame = frame_at(truth, in_time ? 8 : 5 + static_cast<int>(31 * options.longest_carry));
+    keep_static(frame, 60);
+    ASSERT_EQ(track(frame).localised, in_time);
+    if (in_time) EXPECT_LT(pose_distance(frame.camera_from_world, truth), 2e-3);
+  }
+}
+
+TEST_F(Tracking, FindsItselfBehindAMaskThatIsWrong) {
+  fill_index = false;
+  follow(0, 5);
+  // No landmark is trusted yet, and nothing tells how the camera moved.
+  for (const int l : map.landmarks()) map.landmark(l).dynamic_log_odds = 0.0F;
+  for (const int seen : {25, 200}) {
+    Frame frame = frame_at(steady(5), 5);
+    forget_points(frame, frame.features.size() - seen);
+    std::fill(frame.is_static.begin(), frame.is_static.end(), 0);
+    const bool found = track(frame).localised;
+    EXPECT_EQ(found, seen == 200);  // so many do not agree by chance
+    const auto back = std::count(frame.is_static.begin(), frame.is_static.end(), 1);
+    EXPECT_NEAR(static_cast<double>(back), found ? seen : 0, 0.1 * seen);
+    if (found) EXPECT_LT(pose_distance(frame.camera_from_world, steady(5)), 2e-3);
+  }
 }
 
 TEST_F(Tracking, IsCarriedByAMeasuredMotionOnly) {
@@ -265,30 +313,35 @@ TEST_F(Tracking, NoKeyframeIsDueByTimeWhileAnAdjustmentIsUnderWay) {
 }
 
 TEST_F(Tracking, AKeyframeIsDueWhenFewOfTheReferencesLandmarksAreTracked) {
-  // All of them are within 2.5 m: without depth no near features ask for a keyframe by themselves.
-  const auto due = [&](int index, double tracked_share, bool adjusting) {
-    Frame frame = frame_at({}, index);
-    const auto fresh = static_cast<int>(std::lround((1.0 - tracked_share) * 300));
-    forget_points(frame, fresh);
-    for (int f = 0; f < fresh; ++f) frame.features.depth[static_cast<std::size_t>(f)] = 0.0F;
-    const TrackingResult result = tracker().track(frame, adjusting);
-    EXPECT_TRUE(result.localised);
-    EXPECT_EQ(tracker().tracked_landmarks(), 300 - fresh);
-    tracker().settle(frame, false);
-    return result.keyframe_due;
-  };
+  options.left_share = 0.0;  // that rule is another test's
   Frame first = frame_at({}, 0);
   ASSERT_TRUE(track(first).keyframe_due);
   const double share = options.keyframe_share, urgent = options.urgent_share;
-  EXPECT_FALSE(due(1, share + 0.02, false));
-  EXPECT_TRUE(due(2, share - 0.02, false));
-  EXPECT_FALSE(due(3, share - 0.02, true));  // that can wait for the adjustment,
-  EXPECT_FALSE(due(4, urgent + 0.02, true));
-  EXPECT_TRUE(due(5, urgent - 0.02, true));  // and this cannot
+  EXPECT_FALSE(due_with(1, share + 0.02, false));
+  EXPECT_TRUE(due_with(2, share - 0.02, false));
+  EXPECT_FALSE(due_with(3, share - 0.02, true));  // that can wait for the adjustment,
+  EXPECT_FALSE(due_with(4, urgent + 0.02, true));
+  EXPECT_TRUE(due_with(5, urgent - 0.02, true));  // and this cannot
+}
+
+TEST_F(Tracking, AKeyframeIsDueWhereTheViewIsLeft) {
+  options.keyframe_share = options.urgent_share = 0.0;  // those rules are another test's
+  for (const bool many : {true, false}) {
+    options.left_least = many ? 300 : 301;  // all that there are, and one more
+    Frame first = frame_at({}, 0);
+    ASSERT_TRUE(track(first).keyframe_due || !many);
+    EXPECT_FALSE(due_with(1, 1.0, false));
+    EXPECT_FALSE(due_with(2, options.left_share + 0.02, false));
+    EXPECT_EQ(due_with(3, options.left_share - 0.02, false), many);
+    // While the last one is adjusted: not in the next frames.
+    EXPECT_FALSE(due_with(2, options.left_share - 0.02, true));
+    EXPECT_EQ(due_with(4, options.left_share - 0.02, true), many);
+    made_.reset();
+  }
 }
 
 TEST_F(Tracking, AKeyframeIsDueWhereNearFeaturesWaitForALandmark) {
-  options.keyframe_share = options.urgent_share = 0.0;  // those rules are another test's
+  options.keyframe_share = options.urgent_share = options.left_share = 0.0;  // another test's
   Frame first = frame_at({}, 0);
   ASSERT_TRUE(track(first).keyframe_due);
   const auto due = [&](int index, int tracked, int fresh, bool adjusting = false) {
@@ -372,7 +425,7 @@ TEST_F(Tracking, FindsItsPlaceAgainWithinThatTimeAndBeginsNoMap) {
   follow(0, 3);
   for (int i = 3; i < 20; ++i) {
     Frame blind = frame_at(steady(i), i);
-    keep_static(blind, 0);
+    forget_points(blind, blind.features.size());
     ASSERT_FALSE(track(blind).localised);
   }
   const Se3 truth = pose(0.05, 0.02, 0.0, 0.01);
@@ -392,7 +445,7 @@ TEST_F(Tracking, LocalizeOnlyLeavesTheMapAsItIs) {
   // with landmarks that move.
   for (int i = 0; i < 100; ++i) {
     Frame frame = frame_at(steady(i % 10), i);
-    if (i > 20 && i < 80) keep_static(frame, 0);
+    if (i > 20 && i < 80) forget_points(frame, frame.features.size());
     if (i > 80) frame.is_static[5] = 0;
     const TrackingResult result = track(frame);
     EXPECT_EQ(result.localised, i <= 20 || i >= 80) << i;

@@ -140,6 +140,7 @@ void ObjectTracker::take(const Detection& d, const cv::Rect2f& box, double image
   t.object.last_detected = image_time;
   t.last_confirmed = std::max(t.last_confirmed, image_time);
   t.missed = false;
+  ++t.sightings;
   t.detected_box = d.box;
   t.seen_size = box.size();
   t.seen_depth = 0.0F;
@@ -320,6 +321,15 @@ void ObjectTracker::add_moving(const ObjectMask& mask) {
   objects_.push_back(std::move(fresh));
 }
 
+/// Whether an object that was hardly seen, and now is missed, was the detector's mistake about the
+/// other one: a box as large as the image, in place of the person in it whom the next image shows.
+bool ObjectTracker::mistaken_for(const Tracked& t, const Tracked& other) const {
+  if (!t.object.compensated || !t.missed || t.sightings > options_.few_sightings) return false;
+  if (other.object.compensated || other.object.class_id != t.object.class_id) return false;
+  return other.object.score > t.object.score && !other.mask.empty() &&
+         2 * mask_overlap(other.mask, t.mask) > cv::countNonZero(other.mask.mask);
+}
+
 void ObjectTracker::drop_duplicates() {
   std::vector<bool> gone(objects_.size(), false);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
@@ -332,8 +342,8 @@ void ObjectTracker::drop_duplicates() {
       const bool stronger = !other.object.compensated || other.object.id < t.object.id;
       // A mask reaches out of its box over whoever stands beside: that one is not the same.
       const bool same_place = 2.0F * (other.object.box & t.object.box).area() > t.object.box.area();
-      gone[i] = j != i && !gone[j] && stronger && same_place &&
-                2 * mask_overlap(t.mask, other.mask) > area;
+      const bool same = stronger && same_place && 2 * mask_overlap(t.mask, other.mask) > area;
+      gone[i] = j != i && !gone[j] && (same || mistaken_for(t, other));
     }
   }
   remove(gone);

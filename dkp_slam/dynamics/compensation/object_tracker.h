@@ -31,6 +31,9 @@ struct ObjectTrackerOptions {
   float leaving_share = 0.15F;
   /// Carried objects whose box lies in a detected one's by this share are the same person.
   float duplicate_share = 0.7F;
+  /// A carried object that was detected no more often than this gives way to a better detection
+  /// whose mask lies mostly in its own.
+  int few_sightings = 2;
   /// Objects of this weight and more move by themselves (people, animals). Only they are carried: a
   /// chair that the detector loses has lost nothing. Their features need no proof to be removed.
   float self_moving_weight = 8.0F;
@@ -57,6 +60,7 @@ class ObjectTracker {
     cv::Rect2f detected_box;  ///< where `silhouette` lies
     ObjectMask mask;    ///< of the newest frame once `set_mask` was called, else of the one before
     cv::Point2f shift;  ///< pixels it moved since the frame before
+    int sightings = 0;  ///< detections of it
     double last_confirmed = 0.0;  ///< seconds: detected, or seen to move
     /// The newest answer of the detector did not hold it (true for what no detector ever saw): a
     /// verdict, which having no answer is not.
@@ -108,7 +112,8 @@ class ObjectTracker {
   void set_mask(std::size_t index, const ObjectMask& mask, bool moving);
   /// Adds an object that no detector saw, by its moving silhouette.
   void add_moving(const ObjectMask& mask);
-  /// Drops carried objects whose mask lies mostly in that of another one.
+  /// Drops carried objects whose mask lies mostly in that of another one, and mistakes of the
+  /// detector, which the next image shows to be.
   void drop_duplicates();
   /// Removes objects, for example carried ones in whose box nothing was found. One flag each.
   void remove(const std::vector<bool>& gone);
@@ -131,6 +136,7 @@ class ObjectTracker {
   void drop_gone();
   bool leaving(const Tracked& tracked) const;
   bool is_gone(const Tracked& tracked) const;
+  bool mistaken_for(const Tracked& tracked, const Tracked& other) const;
 
   ObjectTrackerOptions options_;
   std::vector<Tracked> objects_;

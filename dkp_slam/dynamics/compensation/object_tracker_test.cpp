@@ -189,6 +189,35 @@ TEST(ObjectTracker, ACarriedMaskThatRunsOverIntoTheRoomDoesNotTakeTheBoxAlong) {
   EXPECT_NEAR(box.x + 0.5F * box.width, 250.0F, 4.0F);
 }
 
+TEST(ObjectTracker, ABoxAsLargeAsTheImageGivesWayToThePersonInIt) {
+  // (detections of the large one, score of the person, pixels that his mask lies aside of its)
+  struct Case {
+    int sightings;
+    float score;
+    int aside;
+    bool stays;
+  };
+  for (const Case& c : {Case{1, 0.8F, 0, false}, Case{2, 0.8F, 0, false}, Case{3, 0.8F, 0, true},
+                        Case{1, 0.5F, 0, true}, Case{1, 0.8F, 350, true}}) {
+    ObjectTracker tracker({});
+    Detection large = person(0, 0.6F);
+    large.box = {0.0F, 0.0F, 620.0F, 480.0F};
+    const ObjectMask of_large = mask_of({0, 0, 340, 480}, 1.0F);
+    for (int i = 0; i < c.sightings; ++i) {
+      update(tracker, 0.03 * i, {large}, {std::nullopt});
+      tracker.set_mask(0, of_large, false);
+    }
+    Detection small = person(20.0F + static_cast<float>(c.aside), c.score);
+    update(tracker, 0.03 * c.sightings, {small}, {cv::Point2f(0.0F, 0.0F)});
+    ASSERT_EQ(tracker.objects().size(), 2U);
+    tracker.set_mask(0, of_large, false);
+    tracker.set_mask(1, mask_of({20 + c.aside, 100, 100, 250}, 1.0F), false);
+    tracker.drop_duplicates();
+    EXPECT_EQ(tracker.objects().size(), c.stays ? 2U : 1U) << c.sightings << ' ' << c.score;
+    EXPECT_FLOAT_EQ(tracker.objects().back().object.score, c.score);
+  }
+}
+
 TEST(ObjectTracker, ACarriedObjectThatComesNearerGrows) {
   ObjectTracker tracker({});
   tracker.add_moving(mask_of({200, 100, 100, 200}, 3.0F));

@@ -18,6 +18,8 @@ void ObjectTrackerOptions::describe(OptionList& list) {
            "of its box in the image; with less a carried object has left");
   list.add("duplicate_share", duplicate_share, between(0, 1), "",
            "of a carried box in a detected one, to be the same object");
+  list.add("few_sightings", few_sightings, at_least(0), "",
+           "detections; a carried object with no more gives way to a better one within it");
   list.add("self_moving_weight", self_moving_weight, at_least(0), "",
            "class weight of what moves by itself: only it is carried");
   list.add("compensate", compensate, "carry objects over missed detections");
