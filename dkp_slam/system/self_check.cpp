@@ -178,8 +178,8 @@ Matrix6d SelfCheck::covariance(const Se3& camera_from_world,
 }
 
 /// Near and far landmarks, each by themselves, tell where the camera is. Where these poses differ
-/// by more than both are wrong by, one of them lies on something that moves, and the pose is known
-/// no better than they agree, until they do again: the middle of two that are so far apart.
+/// by more than both are wrong by, one of them lies on something that moves, and the pose is as far
+/// off as it is from the one that lies on the room, which may be either, until they agree again.
 void SelfCheck::compare_groups(const Frame& frame, std::vector<PoseObservation> observations) {
   if (observations.size() < 2 * least_group) return;  // nothing new is known
   const Se3& camera_from_world = frame.camera_from_world;
@@ -196,8 +196,10 @@ void SelfCheck::compare_groups(const Frame& frame, std::vector<PoseObservation> 
   }
   contested_ = frame.timestamp;
   // Who is off by more than was looked for has lost his way altogether.
-  const double way = std::min(0.5 * apart.head<3>().norm(), most_apart);
-  const double angle = std::min(0.5 * apart.tail<3>().norm(), most_apart);
+  const double way =
+      std::min(std::max(near.off.head<3>().norm(), far.off.head<3>().norm()), most_apart);
+  const double angle =
+      std::min(std::max(near.off.tail<3>().norm(), far.off.tail<3>().norm()), most_apart);
   contest_ = {std::max(contest_.way, way), std::max(contest_.angle, angle)};
 }
 

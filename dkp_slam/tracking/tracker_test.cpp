@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "dkp_slam/localization/test_world.h"
 #include "dkp_slam/map/map_snapshot.h"
+#include "dkp_slam/tracking/test_tracking.h"
 
 namespace dkp_slam {
 namespace {
@@ -17,90 +17,7 @@ namespace {
 using testing::PointWorld;
 using testing::pose;
 using testing::pose_distance;
-
-/// A tracker in a map of points that it sees without any error.
-struct Tracking : ::testing::Test {
-  PointWorld world{300};
-  Map map{world.camera, 1.2F, 8};
-  PlaceIndex places;
-  TrackerOptions options;
-  bool localize_only = false;
-  bool fill_index = true;  // else no place is recognised
-  std::optional<Tracker> made_;
-
-  /// Made at the first call, with the options as they are then.
-  Tracker& tracker() {
-    if (!made_) made_.emplace(map, places, MeasurementModel(), options, localize_only);
-    return *made_;
-  }
-
-  Frame frame_at(const Se3& camera_from_world, int index) {
-    Frame frame = world.frame_at(camera_from_world, points_);
-    frame.camera_from_world = Se3();  // to be found out
-    frame.index = index;
-    frame.timestamp = index / 30.0;
-    return frame;
-  }
-  TrackingResult track(Frame& frame, bool adjusting = false) {
-    const TrackingResult result = tracker().track(frame, adjusting);
-    if (result.keyframe_due) {
-      world.add_keyframe(map, frame, points_);
-      if (fill_index) places.add_keyframe(map, frame.reference_keyframe);
-    }
-    if (result.localised) tracker().settle(frame, result.keyframe_due);
-    return result;
-  }
-  /// Where a camera is that moves steadily to the side.
-  static Se3 steady(int index) { return pose(0.01 * index, 0.0, 0.0); }
-  /// Tracks frames [from, to) of the steady camera, all of which must be localised.
-  void follow(int from, int to) {
-    for (int i = from; i < to; ++i) {
-      Frame frame = frame_at(steady(i), i);
-      ASSERT_TRUE(track(frame).localised) << i;
-    }
-  }
-  /// A frame of the steady camera before which somebody stands: nothing static is seen, and the
-  /// camera's motion is measured.
-  Frame covered(int index) {
-    Frame frame = frame_at(steady(index), index);
-    forget_points(frame, frame.features.size());
-    std::fill(frame.is_static.begin(), frame.is_static.end(), 0);
-    frame.current_from_previous = steady(index) * steady(index - 1).inverse();
-    return frame;
-  }
-  /// Leaves only so many of the frame's features static.
-  static void keep_static(Frame& frame, int count) {
-    for (std::size_t f = 0; f < frame.is_static.size(); ++f) {
-      frame.is_static[f] = static_cast<int>(f) < count;
-    }
-  }
-  /// Takes their landmark from so many features' points: as if the room there were new.
-  /// The frame then tracks fewer landmarks of the map.
-  void forget_points(Frame& frame, int count) {
-    for (int f = 0; f < count; ++f) {
-      frame.features.descriptor[static_cast<std::size_t>(f)] = world.random_descriptor();
-    }
-  }
-  /// Whether a frame of the camera that stands still, in which this share of the points is tracked,
-  /// asks for a keyframe. All are within 2.5 m: without depth no near features ask for one.
-  bool due_with(int index, double tracked_share, bool adjusting) {
-    Frame frame = frame_at({}, index);
-    const auto fresh = static_cast<int>(std::lround((1.0 - tracked_share) * 300));
-    forget_points(frame, fresh);
-    for (int f = 0; f < fresh; ++f) frame.features.depth[static_cast<std::size_t>(f)] = 0.0F;
-    const TrackingResult result = tracker().track(frame, adjusting);
-    EXPECT_TRUE(result.localised);
-    EXPECT_NEAR(tracker().tracked_landmarks(), 300 - fresh, 1);
-    tracker().settle(frame, false);
-    return result.keyframe_due;
-  }
-  /// The feature of the frame made last that shows the point; -1 for none.
-  int feature_of(int point) const {
-    const auto found = std::find(points_.begin(), points_.end(), point);
-    return found == points_.end() ? -1 : static_cast<int>(found - points_.begin());
-  }
-  std::vector<int> points_;  // of each feature of the frame made last
-};
+using testing::Tracking;
 
 void expect_each_landmark_once(const Map& map, const Frame& frame) {
   std::set<int> seen;
@@ -293,88 +210,6 @@ TEST_F(Tracking, ALandmarkUnderSuspicionIsRehabilitatedByStaying) {
   }
   // Of every other landmark as of this one: no past counts for ever.
   EXPECT_FLOAT_EQ(before, options.belief.lowest);
-}
-
-TEST_F(Tracking, AKeyframeIsDueAfterTheInterval) {
-  const int last = static_cast<int>(options.keyframe_interval * 30.0);
-  for (int i = 0; i <= last; ++i) {
-    Frame frame = frame_at({}, i);
-    const TrackingResult result = track(frame);
-    ASSERT_TRUE(result.localised);
-    EXPECT_EQ(result.keyframe_due, i == 0 || i == last) << i;
-  }
-}
-
-TEST_F(Tracking, NoKeyframeIsDueByTimeWhileAnAdjustmentIsUnderWay) {
-  for (int i = 0; i <= 40; ++i) {
-    Frame frame = frame_at({}, i);
-    EXPECT_EQ(track(frame, true).keyframe_due, i == 0);
-  }
-}
-
-TEST_F(Tracking, AKeyframeIsDueWhenFewOfTheReferencesLandmarksAreTracked) {
-  options.left_share = 0.0;  // that rule is another test's
-  Frame first = frame_at({}, 0);
-  ASSERT_TRUE(track(first).keyframe_due);
-  const double share = options.keyframe_share, urgent = options.urgent_share;
-  EXPECT_FALSE(due_with(1, share + 0.02, false));
-  EXPECT_TRUE(due_with(2, share - 0.02, false));
-  EXPECT_FALSE(due_with(3, share - 0.02, true));  // that can wait for the adjustment,
-  EXPECT_FALSE(due_with(4, urgent + 0.02, true));
-  EXPECT_TRUE(due_with(5, urgent - 0.02, true));  // and this cannot
-}
-
-TEST_F(Tracking, AKeyframeIsDueWhereTheViewIsLeft) {
-  options.keyframe_share = options.urgent_share = 0.0;  // those rules are another test's
-  for (const bool many : {true, false}) {
-    options.left_least = many ? 300 : 301;  // all that there are, and one more
-    Frame first = frame_at({}, 0);
-    ASSERT_TRUE(track(first).keyframe_due || !many);
-    EXPECT_FALSE(due_with(1, 1.0, false));
-    EXPECT_FALSE(due_with(2, options.left_share + 0.02, false));
-    EXPECT_EQ(due_with(3, options.left_share - 0.02, false), many);
-    // While the last one is adjusted: not in the next frames.
-    EXPECT_FALSE(due_with(2, options.left_share - 0.02, true));
-    EXPECT_EQ(due_with(4, options.left_share - 0.02, true), many);
-    made_.reset();
-  }
-}
-
-TEST_F(Tracking, AKeyframeIsDueWhereNearFeaturesWaitForALandmark) {
-  options.keyframe_share = options.urgent_share = options.left_share = 0.0;  // another test's
-  Frame first = frame_at({}, 0);
-  ASSERT_TRUE(track(first).keyframe_due);
-  const auto due = [&](int index, int tracked, int fresh, bool adjusting = false) {
-    Frame frame = frame_at({}, index);
-    keep_static(frame, tracked + fresh);
-    forget_points(frame, fresh);
-    // What nothing static is seen of would be found in the map again, as trusted.
-    for (const int l : map.landmarks()) map.landmark(l).dynamic_log_odds = 0.0F;
-    const bool result = tracker().track(frame, adjusting).keyframe_due;
-    EXPECT_EQ(tracker().tracked_landmarks(), tracked);
-    tracker().settle(frame, false);
-    return result;
-  };
-  EXPECT_TRUE(due(1, 90, 80));    // few tracked and many to gain
-  EXPECT_FALSE(due(2, 110, 80));  // enough tracked
-  EXPECT_FALSE(due(3, 90, 65));   // little to gain
-  // While the last one is adjusted: not in the next frames, and not from a pose that may be poor.
-  EXPECT_FALSE(due(2, 90, 80, true));
-  EXPECT_TRUE(due(4, 90, 80, true));
-  EXPECT_FALSE(due(5, options.least_for_motion - 2, 200, true));
-}
-
-TEST_F(Tracking, NoKeyframeIsDueWhileSomebodyFillsTheView) {
-  Frame first = frame_at({}, 0);
-  ASSERT_TRUE(track(first).keyframe_due);
-  for (const int few : {options.least_keyframe_features - 1, options.least_keyframe_features}) {
-    // Long after the interval.
-    Frame frame = frame_at({}, 100 + few);
-    keep_static(frame, few);
-    const TrackingResult result = track(frame);
-    ASSERT_TRUE(result.localised);
-    EXPECT_EQ(result.keyframe_due, few == options.least_keyframe_features);
-  }
 }
 
 TEST_F(Tracking, WaitsWithItsStartUntilEnoughOfTheRoomIsSeen) {

@@ -218,6 +218,20 @@ TEST(ObjectTracker, ABoxAsLargeAsTheImageGivesWayToThePersonInIt) {
   }
 }
 
+TEST(ObjectTracker, WhatWasOnlySeenToMoveGivesWayToNobodyInIt) {
+  ObjectTracker tracker({});
+  const ObjectMask mask = mask_of({0, 0, 340, 480}, 1.0F);
+  tracker.add_moving(mask);
+  Detection part = person(20, 0.9F);
+  part.class_id = Detection::motion_class;
+  update(tracker, 0.03, {part}, {cv::Point2f(0.0F, 0.0F)});
+  ASSERT_EQ(tracker.objects().size(), 2U);
+  tracker.set_mask(0, mask, false);
+  tracker.set_mask(1, mask_of({20, 100, 100, 250}, 1.0F), false);
+  tracker.drop_duplicates();
+  EXPECT_EQ(tracker.objects().size(), 2U);
+}
+
 TEST(ObjectTracker, ACarriedObjectThatComesNearerGrows) {
   ObjectTracker tracker({});
   tracker.add_moving(mask_of({200, 100, 100, 200}, 3.0F));
