@@ -52,7 +52,8 @@ def spans(line):
             colour = COLOURS[codes[0]] if codes else None
         elif piece:
             fill = f' fill="{colour}"' if colour else ""
-            drawn += f"<tspan{fill}>{html.escape(piece)}</tspan>"
+            text = html.escape(piece).replace(" ", "\u00a0")  # which no viewer joins
+            drawn += f"<tspan{fill}>{text}</tspan>"
     return drawn
 
 
@@ -73,7 +74,7 @@ def main():
         out.write(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
                   f'font-family="monospace" font-size="13">\n<title>{title}</title>\n'
                   f'<rect width="{width}" height="{height}" rx="8" fill="#1d2430"/>\n'
-                  '<g fill="#dde3ea" xml:space="preserve">\n')
+                  '<g fill="#dde3ea">\n')
         for i, line in enumerate(lines[:-1]):
             if line:
                 y = MARGIN + (i + 1) * LINE - 4
