@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -74,19 +73,6 @@ struct Tracking : ::testing::Test {
     for (int f = 0; f < count; ++f) {
       frame.features.descriptor[static_cast<std::size_t>(f)] = world.random_descriptor();
     }
-  }
-  /// Whether a frame of the camera that stands still, in which this share of the points is tracked,
-  /// asks for a keyframe. All are within 2.5 m: without depth no near features ask for one.
-  bool due_with(int index, double tracked_share, bool adjusting) {
-    Frame frame = frame_at({}, index);
-    const auto fresh = static_cast<int>(std::lround((1.0 - tracked_share) * 300));
-    forget_points(frame, fresh);
-    for (int f = 0; f < fresh; ++f) frame.features.depth[static_cast<std::size_t>(f)] = 0.0F;
-    const TrackingResult result = tracker().track(frame, adjusting);
-    EXPECT_TRUE(result.localised);
-    EXPECT_NEAR(tracker().tracked_landmarks(), 300 - fresh, 1);
-    tracker().settle(frame, false);
-    return result.keyframe_due;
   }
   /// The feature of the frame made last that shows the point; -1 for none.
   int feature_of(int point) const {

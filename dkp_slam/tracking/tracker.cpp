@@ -73,7 +73,13 @@ bool Tracker::localize(Frame& frame) {
     motion_time_ = 0.0;
     return true;
   }
-  if (!found && !find_near(frame) && !carry_by_motion(frame) && !find_in_masks(frame)) return false;
+  if (!found) {
+    follow_motion_since_last(frame);
+    if (!find_near(frame, Trust::masks) && !carry_by_motion(frame) &&
+        !find_near(frame, Trust::map)) {
+      return false;
+    }
+  }
   // Only well-founded poses tell how the camera moves: a poor one would be carried on for frames.
   if (tracked_landmarks_ >= options_.least_for_motion) {
     motion_ = frame.camera_from_world * last_.camera_from_world.inverse();
@@ -159,29 +165,18 @@ void Tracker::correct_shutter(Frame& frame, const Se3& motion) const {
   frame.features.correct_rolling_shutter(map_.camera(), velocity);
 }
 
-bool Tracker::find_near(Frame& frame) {
+void Tracker::follow_motion_since_last(const Frame& frame) {
   const bool lost = state_ == TrackingState::lost;
   const Se3 step = lost ? frame.current_from_previous.value_or(Se3()) : predicted_motion(frame);
   since_last_ = lost ? step * since_last_ : step;
-  if (last_.index < 0 || frame.timestamp - map_time_ > options_.longest_carry) return false;
-  frame.camera_from_world = since_last_ * last_.camera_from_world;
-  if (localize_near(map_, model_, seed_, last_.reference_keyframe, Trust::masks, frame) > 0 &&
-      track_local_map(frame)) {
-    return true;
-  }
-  frame.reference_keyframe = last_.reference_keyframe;
-  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
-  return false;
 }
 
-bool Tracker::find_in_masks(Frame& frame) {
+bool Tracker::find_near(Frame& frame, Trust trust) {
   if (last_.index < 0 || frame.timestamp - map_time_ > options_.longest_carry) return false;
   const std::vector<char> is_static = frame.is_static;
   frame.camera_from_world = since_last_ * last_.camera_from_world;
-  if (localize_near(map_, model_, seed_, last_.reference_keyframe, Trust::map, frame) > 0 &&
+  if (localize_near(map_, model_, seed_, last_.reference_keyframe, trust, frame) > 0 &&
       track_local_map(frame)) {
-    spdlog::debug("frame {}: found by what masks hid, {} landmarks tracked", frame.index,
-                  tracked_landmarks_);
     return true;
   }
   frame.reference_keyframe = last_.reference_keyframe;
@@ -334,14 +329,12 @@ bool Tracker::keyframe_is_due(const Frame& frame, bool adjusting) const {
   const bool need_near = near_tracked < few && near_free > many;
   const double wanted = adjusting ? options_.urgent_share : options_.keyframe_share;
   if (tracked_landmarks_ < wanted * reference_landmarks) return true;
-  const bool left = view_is_left();
-  if (left && !adjusting) return true;
   // While the last one is still adjusted its landmarks have to do, but for a view that is left by
   // them within a few frames, as one that people hide.
   constexpr double rest = 0.1;  // seconds
   if (adjusting && frame.timestamp - keyframe_time_ < rest) return false;
+  if (view_is_left()) return true;
   const bool sure = tracked_landmarks_ >= options_.least_for_motion;
-  if (left) return true;
   return need_near && (!adjusting || (sure && tracked_landmarks_ < few));
 }
 

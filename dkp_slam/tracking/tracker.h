@@ -7,6 +7,7 @@
 #include "dkp_slam/localization/frame.h"
 #include "dkp_slam/localization/matcher.h"
 #include "dkp_slam/localization/place_index.h"
+#include "dkp_slam/localization/relocalizer.h"
 #include "dkp_slam/map/map.h"
 #include "dkp_slam/optimization/observation.h"
 
@@ -122,10 +123,10 @@ class Tracker {
   std::vector<int> local_landmarks(Frame& frame) const;
   void drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const;
   void weigh_evidence(Frame& frame, const std::vector<FrameMatch>& matches);
-  /// Near where the map was last seen, by the motions that were measured since.
-  bool find_near(Frame& frame);
-  /// There, by features that masks hide but that agree with the map: a mask may be wrong.
-  bool find_in_masks(Frame& frame);
+  void follow_motion_since_last(const Frame& frame);
+  /// Near where the map was last seen, by the motions that were measured since; with `Trust::map`
+  /// also by features that masks hide: a mask may be wrong.
+  bool find_near(Frame& frame, Trust trust);
   bool carry_by_motion(Frame& frame);
   Se3 predicted_motion(const Frame& frame) const;
   bool view_is_left() const;

@@ -321,13 +321,14 @@ void ObjectTracker::add_moving(const ObjectMask& mask) {
   objects_.push_back(std::move(fresh));
 }
 
-/// Whether an object that was hardly seen, and now is missed, was the detector's mistake about the
-/// other one: a box as large as the image, in place of the person in it whom the next image shows.
+/// Whether a carried object that was hardly seen, and now is missed, was the detector's mistake
+/// about the other one: a box as large as the image, in place of the person in it whom the next
+/// image shows.
 bool ObjectTracker::mistaken_for(const Tracked& t, const Tracked& other) const {
   // What was only seen to move is nobody's mistake.
   if (t.sightings < 1 || t.sightings > options_.few_sightings) return false;
-  if (!t.object.compensated || !t.missed) return false;
-  if (other.object.compensated || other.object.class_id != t.object.class_id) return false;
+  if (!t.missed || other.object.compensated || other.object.class_id != t.object.class_id)
+    return false;
   return other.object.score > t.object.score && !other.mask.empty() &&
          2 * mask_overlap(other.mask, t.mask) > cv::countNonZero(other.mask.mask);
 }
