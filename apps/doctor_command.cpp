@@ -38,15 +38,15 @@ struct Finding {
   std::string remedy;  ///< the command that mends it; empty where nothing is to be mended
 };
 
-constexpr int width = 640, height = 480;
+constexpr int image_width = 640, image_height = 480;
 constexpr double test_seconds = 1.0;  // of each of the two measurements
 
 /// A picture with corners everywhere, the same each time.
 cv::Mat test_picture() {
   constexpr int square = 16;  // pixels
-  cv::Mat squares(height / square, width / square, CV_8UC1), grey, picture;
+  cv::Mat squares(image_height / square, image_width / square, CV_8UC1), grey, picture;
   cv::RNG(1).fill(squares, cv::RNG::UNIFORM, 0, 256);
-  cv::resize(squares, grey, {width, height}, 0.0, 0.0, cv::INTER_NEAREST);
+  cv::resize(squares, grey, {image_width, image_height}, 0.0, 0.0, cv::INTER_NEAREST);
   cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
   return picture;
 }

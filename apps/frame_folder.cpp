@@ -47,12 +47,13 @@ fs::path prepared(const fs::path& out) {
   throw Error(fmt::format("{}: cannot write: {}", file.string(), std::strerror(errno)));
 }
 
-void append(const Descriptor& list, const fs::path& file, const std::string& line) {
+void append(const FileDescriptor& list, const fs::path& file, const std::string& line) {
   if (!append_line(list.number(), line)) fail_writing(file);
 }
 
-Descriptor new_list(const fs::path& file, const std::string& first_line) {
-  Descriptor list(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644));
+FileDescriptor new_list(const fs::path& file, const std::string& first_line) {
+  FileDescriptor list(
+      ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644));
   if (!list.open()) fail_writing(file);
   if (!first_line.empty()) append(list, file, first_line);
   return list;

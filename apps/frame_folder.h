@@ -42,7 +42,7 @@ class FrameFolder {
   const std::size_t most_waiting_;
   bool mask_folder_ = false;
   std::size_t written_ = 0;
-  Descriptor rgb_, depth_, associations_;
+  FileDescriptor rgb_, depth_, associations_;
   OrderedWork writing_;  // last: what it does needs the others
 };
 

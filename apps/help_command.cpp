@@ -1,4 +1,3 @@
-#include <cstdio>
 #include <memory>
 #include <string>
 
@@ -9,15 +8,11 @@
 #include "apps/help/completion.h"
 #include "apps/help/man_page.h"
 #include "apps/help/topics.h"
+#include "apps/print_text.h"
 #include "dkp_slam/version.h"
 
 namespace dkp_slam::apps {
 namespace {
-
-void print(const std::string& text) {
-  std::fputs(text.c_str(), stdout);
-  std::fflush(stdout);
-}
 
 std::string overview(const CLI::App& program) {
   std::string out = "Pages:\n";
@@ -33,17 +28,17 @@ std::string overview(const CLI::App& program) {
 
 void help(const CLI::App& program, const std::string& topic) {
   if (topic.empty()) {
-    print(overview(program));
+    print_text(overview(program));
     return;
   }
   for (const HelpTopic& t : help_topics()) {
     if (t.name != topic) continue;
-    print(t.text);
+    print_text(t.text);
     return;
   }
   for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; })) {
     if (command->get_name() != topic) continue;
-    print(command->help());
+    print_text(command->help());
     return;
   }
   std::string names;
@@ -73,14 +68,14 @@ void add_completion_command(CLI::App& program) {
       ->check(CLI::IsMember({"bash", "zsh"}));
   command->callback([&program, shell] {
     const CommandEntry tree = command_tree(program);
-    print(*shell == "bash" ? bash_completion(tree) : zsh_completion(tree));
+    print_text(*shell == "bash" ? bash_completion(tree) : zsh_completion(tree));
   });
 }
 
 void add_man_command(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("man", "Prints the manual page in roff: dkp-slam man | man -l -");
-  command->callback([&program] { print(man_page(command_tree(program), DKP_SLAM_VERSION)); });
+  command->callback([&program] { print_text(man_page(command_tree(program), DKP_SLAM_VERSION)); });
 }
 
 }  // namespace dkp_slam::apps

@@ -1,4 +1,3 @@
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "apps/commands.h"
 #include "apps/map_report.h"
+#include "apps/print_text.h"
 #include "apps/process.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/atomic_file.h"
@@ -30,14 +30,9 @@ struct MapArguments {
   bool json = false;
 };
 
-void print(const std::string& text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    throw Error("cannot write to the standard output; send it elsewhere");
-}
-
 void show(const MapArguments& arguments) {
   const StoredMap stored = read_map(arguments.file);
-  print(arguments.json ? json_text(map_json(stored)) + "\n" : printable(map_text(stored)));
+  print_text(arguments.json ? json_text(map_json(stored)) + "\n" : printable(map_text(stored)));
 }
 
 void export_files(const MapArguments& arguments) {
@@ -54,7 +49,7 @@ void export_files(const MapArguments& arguments) {
     names.push_back(fmt::format("keyframes_{}.txt", m.id));
     write_trajectory(arguments.out / names.back(), keyframes_of(map, m.id));
   }
-  print(fmt::format("in {}: {}\n", arguments.out.string(), fmt::join(names, ", ")));
+  print_text(fmt::format("in {}: {}\n", arguments.out.string(), fmt::join(names, ", ")));
 }
 
 void merge(const MapArguments& arguments) {
@@ -65,13 +60,14 @@ void merge(const MapArguments& arguments) {
   check_fits(b, a.map.camera(), a.map.level_scale(), a.map.levels());
   const MergedMap both = merge_maps(parts_of(a.map), parts_of(b.map));
   save_map(arguments.out, both.map);
-  print(printable(map_text(read_map(arguments.out))));
+  print_text(printable(map_text(read_map(arguments.out))));
   for (const JoinedMaps& j : both.joined) {
-    print(fmt::format("maps {} and {} show the same place ({} keyframes agree): joined in map {}\n",
-                      j.kept, j.moved, j.keyframes, j.kept));
+    print_text(
+        fmt::format("maps {} and {} show the same place ({} keyframes agree): joined in map {}\n",
+                    j.kept, j.moved, j.keyframes, j.kept));
   }
   if (both.joined.empty()) {
-    print(
+    print_text(
         fmt::format("maps of {} and {} lie side by side, each in its own world frame: no place "
                     "was found that both show\n",
                     arguments.file, arguments.other));

@@ -21,7 +21,7 @@ using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
 
-constexpr int frame_count = 12;
+constexpr int masked_frames = 12;
 const cv::Rect half(0, 0, 320, 480);
 
 /// The program on a small exact sequence, with masks that cover the left half of every image, and
@@ -30,11 +30,11 @@ class RunMasks : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::remove_all(folder_);
-    sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", frame_count);
+    sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", masked_frames);
     cv::Mat mask = cv::Mat::zeros(480, 640, CV_8UC1);
     mask(half) = 1;
     fs::create_directories(masks());
-    for (int i = 0; i < frame_count; ++i) cv::imwrite(mask_file(i), mask);
+    for (int i = 0; i < masked_frames; ++i) cv::imwrite(mask_file(i), mask);
   }
   void TearDown() override { fs::remove_all(folder_); }
 
@@ -67,7 +67,7 @@ TEST_F(RunMasks, TakeThePlaceOfADetector) {
   EXPECT_EQ(json.at("options").at("masks"), masks().string());
   EXPECT_EQ(json.at("config").at("mode"), "masks");
   EXPECT_EQ(json.at("detector"), "none");
-  EXPECT_EQ(json.at("localised_frames"), frame_count);
+  EXPECT_EQ(json.at("localised_frames"), masked_frames);
   EXPECT_EQ(json.at("frames_without_mask"), 0);
   EXPECT_LT(json.at("ate").at("rmse_m"), 0.005);  // by half of a plane
   const double removed = json.at("features_removed"), features = json.at("features");
@@ -105,7 +105,7 @@ TEST_F(RunMasks, WhatIsWrongAtOnceWritesNothing) {
   expect_refused(mask_file(0) + ": the mask is 320 x 240 pixels");
   cv::imwrite(mask_file(0), cv::Mat::zeros(480, 640, CV_16UC1));
   expect_refused(mask_file(0) + ": not of 8-bit grey values");
-  for (int i = 0; i < frame_count; ++i) fs::remove(mask_file(i));
+  for (int i = 0; i < masked_frames; ++i) fs::remove(mask_file(i));
   expect_refused("holds no mask for any of 12 colour images");
   fs::remove_all(masks());
   expect_refused("mask: no such folder");
@@ -119,7 +119,7 @@ TEST_F(RunMasks, OneOfAnotherSizeInTheMiddleEndsTheRunAndKeepsWhatThereIs) {
 }
 
 TEST_F(RunMasks, MasksThatCoverEverythingFailTheRun) {
-  for (int i = 0; i < frame_count; ++i) {
+  for (int i = 0; i < masked_frames; ++i) {
     cv::imwrite(mask_file(i), cv::Mat(480, 640, CV_8UC1, cv::Scalar(255)));
   }
   EXPECT_EQ(run_with_masks(), 1);
@@ -144,7 +144,7 @@ TEST_F(RunMasks, RealTimeAtAnotherRate) {
   ASSERT_EQ(run({"--realtime", "--rate", "2.5", "--masks", masks()}), 0) << stderr_;
   const auto json = summary();
   EXPECT_EQ(json.at("options").at("rate"), 2.5);
-  EXPECT_EQ(json.at("frames").get<int>() + json.at("dropped_frames").get<int>(), frame_count);
+  EXPECT_EQ(json.at("frames").get<int>() + json.at("dropped_frames").get<int>(), masked_frames);
   // Time stamps are those of the recording.
   const Trajectory path = read_trajectory(out() / "trajectory.txt");
   for (const StampedPose& pose : path) {

@@ -2,7 +2,7 @@
 # Format and checks of the sources, as CI runs them: clang-format over everything, shellcheck over
 # the scripts, clang-tidy (.clang-tidy, all its checks as errors) over the core. Changes nothing.
 #   scripts/check.sh               everything, about 3 minutes on two cores
-#   scripts/check.sh FILE.cpp...   these sources alone, wherever they are, by build/release
+#   scripts/check.sh FILE.cpp...   these sources alone, wherever they are, each by itself
 # `git ls-files -z '*.cpp' '*.h' | xargs -0 clang-format-14 -i` mends the format.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -20,7 +20,8 @@ tidy=$(tool clang-tidy)
 
 if [ $# -gt 0 ]; then
   "$format" --dry-run --Werror "$@"
-  exec "$tidy" -p build/release --quiet "$@"
+  cmake --preset debug >/dev/null
+  exec "$tidy" -p build/debug --quiet "$@"
 fi
 
 if ! command -v shellcheck >/dev/null; then

@@ -95,7 +95,7 @@ class SplicedSource : public RgbdSource {
   double time_ = 0.0;
 };
 
-struct Outcome {
+struct SplicedOutcome {
   std::vector<char> localised;  ///< per frame
   double error = 0.0;           ///< metres
   std::size_t loops = 0;
@@ -108,14 +108,14 @@ struct Outcome {
   }
 };
 
-Outcome run(const SplicedSource::Opener& open, const std::vector<Segment>& segments,
-            const Camera& camera, const Trajectory& truth) {
+SplicedOutcome run(const SplicedSource::Opener& open, const std::vector<Segment>& segments,
+                   const Camera& camera, const Trajectory& truth) {
   SlamConfig options;
   options.camera = camera;
   options.dynamics.mode = DynamicsMode::off;
   Slam slam(options);
   Trajectory spliced;
-  Outcome outcome;
+  SplicedOutcome outcome;
   SplicedSource source(open, segments, truth, &spliced);
   play(source, slam, {},
        [&](const FrameResult& result) { outcome.localised.push_back(result.localised); });
@@ -127,7 +127,7 @@ Outcome run(const SplicedSource::Opener& open, const std::vector<Segment>& segme
 /// A static room.
 class SyntheticRelocalisation : public ::testing::Test {
  protected:
-  static Outcome play(const std::vector<Segment>& segments) {
+  static SplicedOutcome play(const std::vector<Segment>& segments) {
     static const testing::Recording room("static_room", 80);  // as long as slam_test.cpp needs it
     return run([](int first) { return room.play(static_cast<std::size_t>(first)); }, segments,
                room.camera, room.truth);
@@ -135,14 +135,14 @@ class SyntheticRelocalisation : public ::testing::Test {
 };
 
 TEST_F(SyntheticRelocalisation, AfterAJumpBack) {
-  const Outcome outcome = play({{0, 60}, {10, 40}});
+  const SplicedOutcome outcome = play({{0, 60}, {10, 40}});
   EXPECT_EQ(outcome.lost(0, 60), 0);
   EXPECT_EQ(outcome.lost(63, 90), 0);
   EXPECT_LT(outcome.error, 0.010);
 }
 
 TEST_F(SyntheticRelocalisation, ElsewhereAfterTheLensWasCovered) {
-  const Outcome outcome = play({{0, 50}, {50, 60, 0.0, true}, {15, 35, 2.0}});
+  const SplicedOutcome outcome = play({{0, 50}, {50, 60, 0.0, true}, {15, 35, 2.0}});
   EXPECT_EQ(outcome.lost(50, 60), 10);
   EXPECT_EQ(outcome.lost(63, 80), 0);
   EXPECT_LT(outcome.error, 0.010);
@@ -155,7 +155,8 @@ class RealRelocalisation : public ::testing::Test {
     if (!data) GTEST_SKIP() << "DKP_SLAM_DATA names no folder of real sequences";
     data_ = data;
   }
-  Outcome play(const std::vector<Segment>& segments, const std::string& name = "fr1_xyz") const {
+  SplicedOutcome play(const std::vector<Segment>& segments,
+                      const std::string& name = "fr1_xyz") const {
     const fs::path folder = data_ / name;
     const Camera camera = load_camera(DKP_SLAM_CONFIG_FOLDER "/tum_fr1.yaml");
     const auto open = [&](int first) {
@@ -169,21 +170,21 @@ class RealRelocalisation : public ::testing::Test {
 };
 
 TEST_F(RealRelocalisation, AfterTwoSecondsWithoutFrames) {
-  const Outcome outcome = play({{0, 150}, {210, 300, 2.0}});
+  const SplicedOutcome outcome = play({{0, 150}, {210, 300, 2.0}});
   EXPECT_EQ(outcome.lost(0, 150), 0);
   EXPECT_EQ(outcome.lost(153, 240), 0);
   EXPECT_LT(outcome.error, 0.012);
 }
 
 TEST_F(RealRelocalisation, AfterTwoSecondsUnderAHand) {
-  const Outcome outcome = play({{0, 150}, {150, 210, 0.0, true}, {210, 300}});
+  const SplicedOutcome outcome = play({{0, 150}, {150, 210, 0.0, true}, {210, 300}});
   EXPECT_EQ(outcome.lost(150, 210), 60);
   EXPECT_EQ(outcome.lost(213, 300), 0);
   EXPECT_LT(outcome.error, 0.012);
 }
 
 TEST_F(RealRelocalisation, AfterAJumpAcrossTheSequence) {
-  const Outcome outcome = play({{0, 400}, {100, 200}});
+  const SplicedOutcome outcome = play({{0, 400}, {100, 200}});
   EXPECT_EQ(outcome.lost(0, 400), 0);
   EXPECT_EQ(outcome.lost(403, 500), 0);
   EXPECT_LT(outcome.error, 0.012);
@@ -193,7 +194,7 @@ TEST_F(RealRelocalisation, LoopsPutRightWhatPeopleHavePulledAway) {
   // With nothing removed people drag the camera along, and it comes back to where it was. The error
   // is 0.247 m where loops stay open, and 0.13 m where they are closed: what was seen of people
   // alone stays where they have dragged it.
-  const Outcome outcome = play({{0, 788}}, "composite_xyz_walking");
+  const SplicedOutcome outcome = play({{0, 788}}, "composite_xyz_walking");
   EXPECT_GE(outcome.loops, 1U);
   EXPECT_LT(outcome.error, 0.18);
 }

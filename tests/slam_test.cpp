@@ -22,6 +22,7 @@
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
+#include "tests/support/changed_source.h"
 #include "tests/support/recording.h"
 #include "tests/support/run.h"
 
@@ -29,33 +30,14 @@ namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::ChangedSource;
 using testing::motion_detector;
 using testing::Outcome;
 using testing::Recording;
 using testing::run;
 
-/// Hands on another source's frames after a look at each, in which they may be changed.
-class TappedSource : public RgbdSource {
- public:
-  using Tap = std::function<void(RgbdFrame&)>;
-  TappedSource(std::unique_ptr<RgbdSource> source, Tap tap)
-      : source_(std::move(source)), tap_(std::move(tap)) {}
-  std::string description() const override { return source_->description(); }
-  std::optional<std::size_t> size() const override { return source_->size(); }
-  std::size_t skipped() const override { return source_->skipped(); }
-  std::optional<RgbdFrame> read() override {
-    auto frame = source_->read();
-    if (frame) tap_(*frame);
-    return frame;
-  }
-
- private:
-  std::unique_ptr<RgbdSource> source_;
-  Tap tap_;
-};
-
 /// A hand over the lens: no picture, no depth, from one frame to another (exclusive).
-TappedSource::Tap cover(int from, int to) {
+ChangedSource::Change cover(int from, int to) {
   return [from, to](RgbdFrame& frame) {
     if (frame.index < from || frame.index >= to) return;
     frame.colour = cv::Mat(frame.colour.size(), CV_8UC3, cv::Scalar::all(8));
@@ -136,7 +118,7 @@ TEST(SyntheticSlam, GoesOnWithoutADetectorThatFails) {
 
 TEST(SyntheticSlam, FindsItsPlaceAgainAfterTheLensWasCovered) {
   const Recording room("static_room", 80);
-  const Outcome outcome = run(std::make_unique<TappedSource>(room.play(), cover(30, 60)), nullptr,
+  const Outcome outcome = run(std::make_unique<ChangedSource>(room.play(), cover(30, 60)), nullptr,
                               room.camera, DynamicsMode::dkp_plus);
   std::vector<int> covered(30);
   std::iota(covered.begin(), covered.end(), 30);
@@ -246,8 +228,9 @@ TEST_F(RealSlam, Freiburg1XyzPlain) {
 }
 
 TEST_F(RealSlam, FindsItsPlaceAgainAfterTheLensWasCovered) {
-  const Outcome outcome = run(std::make_unique<TappedSource>(open("fr1_xyz", 250), cover(120, 150)),
-                              nullptr, camera_of("fr1_xyz"), DynamicsMode::off);
+  const Outcome outcome =
+      run(std::make_unique<ChangedSource>(open("fr1_xyz", 250), cover(120, 150)), nullptr,
+          camera_of("fr1_xyz"), DynamicsMode::off);
   const std::vector<int> lost = outcome.lost();
   ASSERT_GE(lost.size(), 30U);
   EXPECT_EQ(lost.front(), 120);

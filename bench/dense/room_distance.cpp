@@ -12,10 +12,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr double cell_size = 0.1;  // metres
-constexpr int rings = 3;           // RoomDistance::farthest in cells
+constexpr double search_cell = 0.1;  // metres
+constexpr int rings = 3;             // RoomDistance::farthest in cells
 
-Vector3i cell_of(const Vector3d& p) { return (p / cell_size).array().floor().cast<int>(); }
+Vector3i cell_of(const Vector3d& p) { return (p / search_cell).array().floor().cast<int>(); }
 
 double to_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
   const Vector3d d = b - a;
@@ -78,7 +78,7 @@ double RoomDistance::nearest_in(const Vector3i& cell, const Vector3d& point, dou
 double RoomDistance::operator()(const Vector3d& point) const {
   const Vector3i centre = cell_of(point);
   double best = farthest;
-  for (int r = 0; r <= rings && best > (r - 1) * cell_size; ++r) {
+  for (int r = 0; r <= rings && best > (r - 1) * search_cell; ++r) {
     for (int z = -r; z <= r; ++z) {
       for (int y = -r; y <= r; ++y) {
         for (int x = -r; x <= r; ++x) {

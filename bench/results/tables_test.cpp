@@ -16,8 +16,8 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Optional;
 
-RunFigures run_of(const std::string& sequence, const std::string& mode, std::uint64_t seed,
-                  double ate) {
+RunFigures run_with_error(const std::string& sequence, const std::string& mode, std::uint64_t seed,
+                          double ate) {
   RunFigures run;
   run.key = {sequence, mode, seed};
   run.frames = 100;
@@ -37,9 +37,9 @@ Target ate_target(double must, double aim, bool all_localised = false) {
 
 TEST(Figures, MedianIsOfTheGoodRunsOfOneSequenceAndMode) {
   Results results;
-  results.runs = {run_of("room", "dkp+", 1, 0.03), run_of("room", "off", 1, 9.0),
-                  run_of("hall", "dkp+", 1, 8.0),  run_of("room", "dkp+", 2, 0.01),
-                  run_of("room", "dkp+", 3, 0.02), run_of("room", "dkp+", 4, 7.0)};
+  results.runs = {run_with_error("room", "dkp+", 1, 0.03), run_with_error("room", "off", 1, 9.0),
+                  run_with_error("hall", "dkp+", 1, 8.0),  run_with_error("room", "dkp+", 2, 0.01),
+                  run_with_error("room", "dkp+", 3, 0.02), run_with_error("room", "dkp+", 4, 7.0)};
   results.runs.back().problem = "exit code 1";
   const auto found = values(results, "room", "dkp+", Quantity::ate);
   EXPECT_THAT(found, ElementsAre(0.03, 0.01, 0.02));
@@ -53,7 +53,7 @@ TEST(Figures, MedianOfAnEvenNumberIsTheMeanOfTheMiddleTwo) {
 
 TEST(Figures, ProcessorAndWallTimeArePerFrame) {
   Results results;
-  results.runs = {run_of("room", "off", 1, 0.0)};
+  results.runs = {run_with_error("room", "off", 1, 0.0)};
   results.runs[0].processor_s = 5.0;
   results.runs[0].wall_s = 3.0;
   EXPECT_THAT(values(results, "room", "off", Quantity::processor_ms), ElementsAre(DoubleEq(50.0)));
@@ -62,7 +62,7 @@ TEST(Figures, ProcessorAndWallTimeArePerFrame) {
 
 TEST(Figures, MissingDriftIsNoValue) {
   Results results;
-  results.runs = {run_of("room", "off", 1, 0.0)};
+  results.runs = {run_with_error("room", "off", 1, 0.0)};
   EXPECT_THAT(values(results, "room", "off", Quantity::rpe_second), IsEmpty());
   results.runs[0].rpe_second = 0.25;
   EXPECT_THAT(values(results, "room", "off", Quantity::rpe_second), ElementsAre(0.25));
@@ -109,8 +109,9 @@ TEST(Judge, TheLimitItselfIsKept) {
 
 TEST(Stand, MustAndAimAreJudgedByTheMedian) {
   Results results;
-  results.runs = {run_of("room", "dkp+", 1, 0.010), run_of("room", "dkp+", 2, 0.012),
-                  run_of("room", "dkp+", 3, 0.500)};
+  results.runs = {run_with_error("room", "dkp+", 1, 0.010),
+                  run_with_error("room", "dkp+", 2, 0.012),
+                  run_with_error("room", "dkp+", 3, 0.500)};
   const Standing standing = stand(ate_target(0.015, 0.011), results);
   EXPECT_THAT(standing.value, Optional(0.012));
   EXPECT_EQ(standing.must, Verdict::pass);
@@ -120,7 +121,8 @@ TEST(Stand, MustAndAimAreJudgedByTheMedian) {
 
 TEST(Stand, OneLostFrameInOneRunFailsWhereAllMustBeLocalised) {
   Results results;
-  results.runs = {run_of("room", "dkp+", 1, 0.010), run_of("room", "dkp+", 2, 0.010)};
+  results.runs = {run_with_error("room", "dkp+", 1, 0.010),
+                  run_with_error("room", "dkp+", 2, 0.010)};
   results.runs[1].lost_frames = 1;
   EXPECT_EQ(stand(ate_target(0.015, 0.011), results).must, Verdict::pass);
   const Standing strict = stand(ate_target(0.015, 0.011, true), results);
@@ -131,7 +133,7 @@ TEST(Stand, OneLostFrameInOneRunFailsWhereAllMustBeLocalised) {
 TEST(Stand, AFailedRunFailsAndNoRunIsNotMeasured) {
   Results results;
   EXPECT_EQ(stand(ate_target(0.015, 0.011), results).must, Verdict::not_measured);
-  results.runs = {run_of("room", "dkp+", 1, 0.010), run_of("room", "dkp+", 2, 0.0)};
+  results.runs = {run_with_error("room", "dkp+", 1, 0.010), run_with_error("room", "dkp+", 2, 0.0)};
   results.runs[1].problem = "exit code 1";
   const Standing standing = stand(ate_target(0.015, 0.011), results);
   EXPECT_EQ(standing.must, Verdict::fail);
@@ -141,8 +143,8 @@ TEST(Stand, AFailedRunFailsAndNoRunIsNotMeasured) {
 
 TEST(Stand, WithoutASequenceTheWorstCounts) {
   Results results;
-  results.runs = {run_of("a", "off", 1, 0.0), run_of("b", "off", 1, 0.0),
-                  run_of("c", "off", 1, 0.0), run_of("d", "dkp+", 1, 0.0)};
+  results.runs = {run_with_error("a", "off", 1, 0.0), run_with_error("b", "off", 1, 0.0),
+                  run_with_error("c", "off", 1, 0.0), run_with_error("d", "dkp+", 1, 0.0)};
   results.runs[0].stage_ms["frame"] = 20.0;
   results.runs[1].stage_ms["frame"] = 40.0;
   results.runs[2].stage_ms["frame"] = 30.0;

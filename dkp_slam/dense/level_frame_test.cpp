@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 /// A floor at z = 0, a table top at 0.7 m, a ceiling and a wall, in a frame with z up. The normals
 /// of what faces up lean by 2 degrees, as those of surfaces that are seen at an angle do.
-SurfaceMesh room() {
+SurfaceMesh room_mesh() {
   SurfaceMesh mesh;
   const auto add = [&](const Vector3d& at, const Vector3d& normal) {
     mesh.vertices.emplace_back(at.cast<float>());
@@ -49,7 +49,7 @@ TEST(LevelFrame, FindsTheFloorUnderATiltedCamera) {
                                   Eigen::AngleAxisd(0.1, Vector3d::UnitZ());
   const Se3 room_from_camera(Eigen::Quaterniond(axes) * tilt, {0.5, 1.5, 1.2});
   const LevelFrame level =
-      find_level(moved(room(), room_from_camera.inverse()), Trajectory{{1.0, {}}});
+      find_level(moved(room_mesh(), room_from_camera.inverse()), Trajectory{{1.0, {}}});
   EXPECT_TRUE(level.found);
   const Vector3d foot =
       level.level_from_world * (room_from_camera.inverse() * Vector3d(0.5, 1.5, 0));

@@ -8,18 +8,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/error.h"
+#include "tests/support/vga_camera.h"
 
 namespace dkp_slam {
 namespace {
-
-Camera test_camera() {
-  Camera camera;
-  camera.name = "test";
-  camera.fx = camera.fy = 525.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
 
 cv::Mat texture(const cv::Size& size, std::uint64_t seed) {
   cv::RNG random(seed);
@@ -104,7 +96,7 @@ Score score(const World::View& v, const FrameDynamics& result) {
 Score run(DynamicsMode mode, double speed, int last, int blind_from) {
   DynamicsOptions options;
   options.mode = mode;
-  DynamicsModule module(test_camera(), options);
+  DynamicsModule module(testing::vga_camera(), options);
   const World world(speed);
   Score result;
   for (int i = 0; i <= last; ++i) {
@@ -122,7 +114,7 @@ TEST(DynamicsModule, OffKeepsAllAndDoesNothing) {
   const World world(0.75);
   DynamicsOptions options;
   options.mode = DynamicsMode::off;
-  DynamicsModule module(test_camera(), options);
+  DynamicsModule module(testing::vga_camera(), options);
   const auto v = world.at(0);
   const FrameDynamics result =
       module.process(v.frame, v.grey, v.keypoints, {v.frame.timestamp, true, {v.detection}});
@@ -169,7 +161,7 @@ TEST(DynamicsModule, SeesTheCameraMoveBesideMasksWhereTooLittleLiesBesideBoxes) 
   options.motion.min_low_points = 840;       // outside the box lie 800, outside his mask 890
   options.motion.enough_outside = 2000;
   options.motion.followed_outside = 0;  // all
-  DynamicsModule module(test_camera(), options, 1);
+  DynamicsModule module(testing::vga_camera(), options, 1);
   for (int i = 0; i < 4; ++i) {
     World::View v = world.at(i);
     v.detection.box += cv::Point2f(-20.0F, -20.0F);
@@ -195,7 +187,7 @@ TEST(DynamicsModule, PaperCompensatesForOneMissedFrameWithoutABox) {
 /// that `answered` refuses get no answer.
 Score run_late(const DynamicsOptions& options, int last, int late,
                const std::function<bool(int)>& answered) {
-  DynamicsModule module(test_camera(), options);
+  DynamicsModule module(testing::vga_camera(), options);
   const World world(0.75);
   Score result;
   for (int i = 0; i <= last; ++i) {
@@ -242,7 +234,7 @@ TEST(DynamicsModule, ASilentDetectorRemovesNothingInTheAblation) {
 
 TEST(DynamicsModule, RepeatsExactly) {
   const World world(0.75);
-  DynamicsModule a(test_camera(), {}), b(test_camera(), {});
+  DynamicsModule a(testing::vga_camera(), {}), b(testing::vga_camera(), {});
   for (int i = 0; i < 4; ++i) {
     const auto v = world.at(i);
     const auto ra =
@@ -257,12 +249,12 @@ TEST(DynamicsModule, RepeatsExactly) {
 }
 
 TEST(DynamicsModule, RefusesImagesOfAnotherSize) {
-  DynamicsModule module(test_camera(), {});
+  DynamicsModule module(testing::vga_camera(), {});
   auto v = World(0.75).at(0);
   EXPECT_THROW(module.process(v.frame, v.grey(cv::Rect(0, 0, 100, 100)), v.keypoints,
                               {v.frame.timestamp, true, {}}),
                Error);
-  Camera broken = test_camera();
+  Camera broken = testing::vga_camera();
   broken.fx = 0.0;
   EXPECT_THROW(DynamicsModule(broken, {}), Error);
 }

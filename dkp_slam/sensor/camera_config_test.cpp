@@ -24,7 +24,7 @@ const std::string valid =
     "distortion: [0.1, -0.2, 0.003, -0.004, 0.5]\n"
     "depth_scale: 1000\n";
 
-std::string write(const std::string& text) {
+std::string write_camera(const std::string& text) {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
   const std::string path = ::testing::TempDir() + info->name() + ".yaml";
   std::ofstream(path) << text;
@@ -33,7 +33,7 @@ std::string write(const std::string& text) {
 
 /// The error that loading `text` gives, without the path before the line number.
 std::string error_of(const std::string& text) {
-  const std::string path = write(text);
+  const std::string path = write_camera(text);
   try {
     load_camera(path);
   } catch (const Error& error) {
@@ -51,9 +51,10 @@ std::string with(const std::string& from, const std::string& to) {
 }
 
 TEST(CameraConfig, ReadsAllFields) {
-  const Camera camera = load_camera(
-      write(valid + "min_depth: 0.4\nmax_depth: 5\nbaseline: 0.05\nframe_rate: 15\nreadout: 0.03\n"
-                    "depth_noise:\n  constant: 0.002\n  quadratic: 0\n"));
+  const Camera camera =
+      load_camera(write_camera(
+          valid + "min_depth: 0.4\nmax_depth: 5\nbaseline: 0.05\nframe_rate: 15\nreadout: 0.03\n"
+                  "depth_noise:\n  constant: 0.002\n  quadratic: 0\n"));
   EXPECT_EQ(camera.name, "test");
   EXPECT_EQ(camera.width, 640);
   EXPECT_EQ(camera.height, 480);
@@ -86,12 +87,12 @@ TEST(CameraConfig, ReadsTheFilesThatComeWithTheProgram) {
 }
 
 TEST(CameraConfig, ReadsBackWhatItWrites) {
-  Camera camera = load_camera(write(valid));
+  Camera camera = load_camera(write_camera(valid));
   camera.name = "a \"quoted\": name # here";
   camera.fx = 1.0 / 3.0 * 1500.0;
   camera.depth_noise.quadratic = 0.00123456789012345;
   camera.readout = 0.0123;
-  const std::string path = write("");
+  const std::string path = write_camera("");
   save_camera(camera, path);
   const Camera back = load_camera(path);
   EXPECT_EQ(back.name, camera.name);

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Pair;
 
-std::string write(const std::string& text) {
+std::string write_list(const std::string& text) {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
   const std::string path = ::testing::TempDir() + info->name() + ".txt";
   std::ofstream(path, std::ios::binary) << text;
@@ -24,7 +24,7 @@ std::string write(const std::string& text) {
 template <typename Reader>
 std::string error_of(Reader read, const std::string& text) {
   try {
-    read(write(text));
+    read(write_list(text));
   } catch (const Error& error) {
     return error.what();
   }
@@ -33,12 +33,12 @@ std::string error_of(Reader read, const std::string& text) {
 
 TEST(TumLists, ReadsStampsAndPathsInEveryCommonDialect) {
   const auto files =
-      read_stamped_files(write("# timestamp filename\r\n"
-                               "1305031102.175304 rgb/a.png\r\n"
-                               "\r\n"
-                               "1305031103.5\trgb/b.png\n"
-                               "  1305031104,rgb/c.png  # good light\n"
-                               "1305031105.25 rgb/d.png"));
+      read_stamped_files(write_list("# timestamp filename\r\n"
+                                    "1305031102.175304 rgb/a.png\r\n"
+                                    "\r\n"
+                                    "1305031103.5\trgb/b.png\n"
+                                    "  1305031104,rgb/c.png  # good light\n"
+                                    "1305031105.25 rgb/d.png"));
   ASSERT_EQ(files.size(), 4U);
   EXPECT_EQ(files[0].timestamp, 1305031102.175304);
   EXPECT_EQ(files[0].path, "rgb/a.png");
@@ -48,7 +48,7 @@ TEST(TumLists, ReadsStampsAndPathsInEveryCommonDialect) {
 }
 
 TEST(TumLists, SortsByTimeAndKeepsTheFirstOfRepeatedStamps) {
-  const auto files = read_stamped_files(write("3 c\n1 a\n2 first\n2 second\n1 again\n"));
+  const auto files = read_stamped_files(write_list("3 c\n1 a\n2 first\n2 second\n1 again\n"));
   ASSERT_EQ(files.size(), 3U);
   EXPECT_EQ(files[0].path, "a");
   EXPECT_EQ(files[1].path, "first");
@@ -68,8 +68,8 @@ TEST(TumLists, NamesTheLineThatIsMalformed) {
 }
 
 TEST(TumLists, FindsColourAndDepthColumnsByFolder) {
-  const auto colour_first = read_associations(write("2 rgb/c.png 2.01 depth/d.png\n"));
-  const auto depth_first = read_associations(write("2.01 depth/d.png 2 rgb/c.png\n"));
+  const auto colour_first = read_associations(write_list("2 rgb/c.png 2.01 depth/d.png\n"));
+  const auto depth_first = read_associations(write_list("2.01 depth/d.png 2 rgb/c.png\n"));
   for (const auto& pairs : {colour_first, depth_first}) {
     ASSERT_EQ(pairs.size(), 1U);
     EXPECT_EQ(pairs[0].timestamp, 2.0);
@@ -77,8 +77,9 @@ TEST(TumLists, FindsColourAndDepthColumnsByFolder) {
     EXPECT_EQ(pairs[0].depth, "depth/d.png");
   }
   // The folder's own name counts, not those above it.
-  EXPECT_EQ(read_associations(write("2 in_depth/rgb/c.png 2 in_depth/depth/d.png\n"))[0].colour,
-            "in_depth/rgb/c.png");
+  EXPECT_EQ(
+      read_associations(write_list("2 in_depth/rgb/c.png 2 in_depth/depth/d.png\n"))[0].colour,
+      "in_depth/rgb/c.png");
 }
 
 TEST(TumLists, AssociatesNearestFirst) {

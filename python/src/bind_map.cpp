@@ -25,7 +25,7 @@ namespace dkp_slam::python {
 namespace fs = std::filesystem;
 namespace {
 
-MapObject load(const fs::path& file) {
+MapObject load_map_object(const fs::path& file) {
   const py::gil_scoped_release release;
   return {std::make_shared<const Map>(read_map(file).map)};
 }
@@ -126,7 +126,7 @@ void bind_map(py::module_& module) {
                         R"(Keyframes and landmarks, of a file or of a run that is finished.
 
 It may hold several maps that never met, each in its own world frame. All arrays are copies.)")
-      .def_static("load", &load, py::arg("file"),
+      .def_static("load", &load_map_object, py::arg("file"),
                   "Reads a map file, whole. Raises Error where it is none or damaged.")
       .def("save", &save, py::arg("file"),
            "Makes a new map file. Raises Error where a file of that name is there already.")

@@ -30,8 +30,6 @@ class SharedDetectorUser final : public Detector {
   std::shared_ptr<SharedDetector> detector_;
 };
 
-std::string plain_text(const py::object& object) { return py::str(object); }
-
 /// A detector written in Python: called from the detector's thread, with the GIL.
 class CallableDetector final : public Detector {
  public:

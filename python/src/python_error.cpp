@@ -4,11 +4,8 @@
 
 namespace dkp_slam::python {
 namespace py = pybind11;
-namespace {
 
 std::string plain_text(const py::object& object) { return py::str(object); }
-
-}  // namespace
 
 std::string line_of(const py::error_already_set& error) {
   std::string text = fmt::format("{}: {}", plain_text(error.type().attr("__name__")),

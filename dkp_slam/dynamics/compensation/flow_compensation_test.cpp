@@ -3,16 +3,10 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/support/vga_camera.h"
+
 namespace dkp_slam {
 namespace {
-
-Camera test_camera() {
-  Camera camera;
-  camera.fx = camera.fy = 525.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
 
 cv::Mat texture() {
   cv::RNG random(1);
@@ -48,7 +42,7 @@ class Missed : public ::testing::Test {
 
   cv::Mat depth_ = cv::Mat(480, 640, CV_32FC1, cv::Scalar(3.0F));
   std::vector<cv::Point2f> points_;
-  FeatureMotionEstimator estimator_{test_camera(), {}};
+  FeatureMotionEstimator estimator_{testing::vga_camera(), {}};
   FeatureMotion motion_;
   FlowCompensation compensation_{MotionOptions{}};
 };

@@ -2,16 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/vga_camera.h"
+
 namespace dkp_slam {
 namespace {
-
-Camera test_camera() {
-  Camera camera;
-  camera.fx = camera.fy = 525.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
 
 constexpr double interval = 0.05;  // seconds from frame to frame
 
@@ -25,7 +19,7 @@ struct Scenery {
   DepthView view(int frame) const {
     cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(4.0F));
     depth(cv::Rect(box(frame)) & cv::Rect(0, 0, 640, 480)) = 2.0F;
-    return make_depth_view(depth, depth_view_rays(test_camera()));
+    return make_depth_view(depth, depth_view_rays(testing::vga_camera()));
   }
   void add(int frame, MotionHistory& history) const {
     std::vector<cv::Point2f> points;
@@ -45,7 +39,7 @@ struct Scenery {
 };
 
 MotionHistory history_of(const Scenery& scenery, int frames) {
-  MotionHistory history(test_camera(), {}, 1.0);
+  MotionHistory history(testing::vga_camera(), {}, 1.0);
   for (int i = 0; i < frames; ++i) scenery.add(i, history);
   return history;
 }
@@ -81,7 +75,7 @@ TEST(MotionHistory, FallsBackOnTheCamerasMotion) {
   Scenery scenery;
   scenery.speed = 0.0F;
   scenery.body_has_features = false;
-  MotionHistory history(test_camera(), {}, 1.0);
+  MotionHistory history(testing::vga_camera(), {}, 1.0);
   Se3 slide;  // the camera moves 2 cm to the left a frame: at 2 m that is 5.25 px to the right
   slide.translation.x() = 0.02;
   for (int i = 0; i < 5; ++i) {
@@ -110,7 +104,8 @@ TEST(MotionHistory, KnowsNothingOfWhatIsTooLongAgo) {
   const MotionHistory history = history_of(scenery, 40);  // 1.95 s
   EXPECT_TRUE(history.carry(scenery.box(20), {}, 20 * interval).has_value());
   EXPECT_FALSE(history.carry(scenery.box(10), {}, 10 * interval).has_value());
-  EXPECT_FALSE(MotionHistory(test_camera(), {}, 1.0).carry(scenery.box(0), {}, 0.0).has_value());
+  EXPECT_FALSE(
+      MotionHistory(testing::vga_camera(), {}, 1.0).carry(scenery.box(0), {}, 0.0).has_value());
 }
 
 TEST(MovedBox, GrowsAsItComesNearer) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/vga_camera.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -246,13 +248,6 @@ TEST(ObjectTracker, ACarriedObjectThatComesNearerGrows) {
 /// A person who walks 10 px a frame at 10 Hz, and what is said of him `delay` frames later.
 class LateAnswers : public ::testing::Test {
  protected:
-  static Camera camera() {
-    Camera c;
-    c.fx = c.fy = 525.0;
-    c.cx = 319.5;
-    c.cy = 239.5;
-    return c;
-  }
   static float left(int frame) { return 100.0F + 10.0F * static_cast<float>(frame); }
   /// Everything in the image, 2 m off, moves by `flow` into the frame.
   void move_all(double time, const cv::Point2f& flow) {
@@ -283,8 +278,8 @@ class LateAnswers : public ::testing::Test {
   const ObjectTracker::Tracked& only() const { return tracker_.objects().at(0); }
 
   ObjectTracker tracker_{ObjectTrackerOptions{}};
-  cv::Mat rays_ = depth_view_rays(camera());
-  MotionHistory history_{camera(), {}, 1.0};
+  cv::Mat rays_ = depth_view_rays(testing::vga_camera());
+  MotionHistory history_{testing::vga_camera(), {}, 1.0};
 };
 
 TEST_F(LateAnswers, AreMovedToNowAndMeetWhoWasThereThen) {

@@ -4,16 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/vga_camera.h"
+
 namespace dkp_slam {
 namespace {
-
-Camera test_camera() {
-  Camera camera;
-  camera.fx = camera.fy = 525.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
 
 /// A room with exact depth: wall at 4 m, floor 1.2 m under the camera.
 class Room {
@@ -63,7 +57,7 @@ class Room {
   const cv::Mat& depth() const { return depth_; }
 
  private:
-  Camera camera_ = test_camera();
+  Camera camera_ = testing::vga_camera();
   cv::Mat depth_, truth_;
 };
 
@@ -154,7 +148,7 @@ TEST(Clustering, NothingInAnEmptyOrUnknownBox) {
   Room room;
   EXPECT_TRUE(room.cut({-50, -50, 20, 20}).empty());
   const DepthView view =
-      make_depth_view(cv::Mat::zeros(480, 640, CV_32FC1), depth_view_rays(test_camera()));
+      make_depth_view(cv::Mat::zeros(480, 640, CV_32FC1), depth_view_rays(testing::vga_camera()));
   const Scene scene = make_scene(view, 525.0, fit_planes(view, {}, {}, 1), {}, 1);
   EXPECT_TRUE(cluster_object(scene, {100, 100, 200, 200}, {}, {}, 1).empty());
 }
@@ -162,7 +156,7 @@ TEST(Clustering, NothingInAnEmptyOrUnknownBox) {
 TEST(Clustering, SilhouetteOfTheDetectorIsTakenAsItIs) {
   Room room;
   room.add_person({250, 80, 120, 380}, 2.0F);
-  const DepthView view = make_depth_view(room.depth(), depth_view_rays(test_camera()));
+  const DepthView view = make_depth_view(room.depth(), depth_view_rays(testing::vga_camera()));
   const cv::Mat silhouette(380, 120, CV_8UC1, cv::Scalar(255));
   EXPECT_GT(room.iou(mask_from_silhouette(view, silhouette, {250, 80, 120, 380})), 0.99);
 }

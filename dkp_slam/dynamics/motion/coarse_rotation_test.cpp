@@ -7,19 +7,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/geometry/se3.h"
+#include "tests/support/vga_camera.h"
 
 namespace dkp_slam {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
-
-Camera test_camera() {
-  Camera camera;
-  camera.fx = camera.fy = 525.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
 
 /// Patches of all sizes, painted on a sphere about the camera and seen after it has turned.
 cv::Mat view(const Camera& camera, const Eigen::Quaterniond& world_from_camera) {
@@ -53,7 +46,7 @@ double off(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 }
 
 TEST(CoarseRotation, FindsTurnsOfAnyAxis) {
-  const Camera camera = test_camera();
+  const Camera camera = testing::vga_camera();
   for (const auto& turn : {turned(0, 0, 0), turned(1, -2, 0.5), turned(-0.4, 6, -1),
                            turned(4, 1, 3), turned(0, -6, 0)}) {
     CoarseRotation rotation(camera);
@@ -67,7 +60,7 @@ TEST(CoarseRotation, FindsTurnsOfAnyAxis) {
 }
 
 TEST(CoarseRotation, DoesNotFollowWhatIsHidden) {
-  const Camera camera = test_camera();
+  const Camera camera = testing::vga_camera();
   const auto turn = turned(0.5, 3, 0);
   const cv::Rect person(150, 0, 400, 480);  // 60% of the view, and it stays where it is in it
   cv::Mat before = view(camera, Eigen::Quaterniond::Identity()), now = view(camera, turn);
@@ -86,7 +79,7 @@ TEST(CoarseRotation, DoesNotFollowWhatIsHidden) {
 }
 
 TEST(CoarseRotation, SaysNothingWhenAllIsHidden) {
-  const Camera camera = test_camera();
+  const Camera camera = testing::vga_camera();
   CoarseRotation rotation(camera);
   for (int i = 0; i < 2; ++i) {
     rotation.push(view(camera, turned(0, i, 0)), {cv::Rect2f(0.0F, 0.0F, 620.0F, 480.0F)});
@@ -95,7 +88,7 @@ TEST(CoarseRotation, SaysNothingWhenAllIsHidden) {
 }
 
 TEST(CoarseRotation, LampsThatChangeTurnNothing) {
-  const Camera camera = test_camera();
+  const Camera camera = testing::vga_camera();
   const auto turn = turned(0, 2, 0);
   CoarseRotation rotation(camera);
   rotation.push(view(camera, Eigen::Quaterniond::Identity()), {});

@@ -7,17 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "dkp_slam/dynamics/removal/epipolar.h"
+#include "tests/support/vga_camera.h"
 
 namespace dkp_slam {
 namespace {
-
-Camera test_camera() {
-  Camera camera;
-  camera.fx = camera.fy = 525.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
 
 Se3 known_motion() {
   Vector6d tangent;
@@ -31,7 +24,7 @@ double uniform(std::mt19937_64& random, double low, double high) {
 
 /// Points of a static world, and from index `movers_from` on, of something that moved 0.1 m.
 std::vector<MotionPoint> observe(std::size_t count, std::size_t movers_from) {
-  const Camera camera = test_camera();
+  const Camera camera = testing::vga_camera();
   std::mt19937_64 random(3);
   std::vector<MotionPoint> points;
   while (points.size() < count) {
@@ -49,7 +42,7 @@ std::vector<MotionPoint> observe(std::size_t count, std::size_t movers_from) {
 
 TEST(MotionCheck, FindsTheCameraMotionAmongMovers) {
   const auto points = observe(300, 180);  // 40% move alike
-  const auto motion = estimate_motion(test_camera(), points, {}, {}, 5);
+  const auto motion = estimate_motion(testing::vga_camera(), points, {}, {}, 5);
   ASSERT_TRUE(motion.has_value());
   const Se3 error = motion->previous_from_current * known_motion().inverse();
   EXPECT_LT(error.translation.norm(), 0.001);
@@ -57,7 +50,8 @@ TEST(MotionCheck, FindsTheCameraMotionAmongMovers) {
   EXPECT_LT(motion->noise, 0.25);
   int still_right = 0, movers_right = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double r = motion_residual(test_camera(), motion->previous_from_current, points[i]);
+    const double r =
+        motion_residual(testing::vga_camera(), motion->previous_from_current, points[i]);
     still_right += i < 180 && r < 1.0 ? 1 : 0;
     movers_right += i >= 180 && r > 5.0 ? 1 : 0;
   }
@@ -66,16 +60,16 @@ TEST(MotionCheck, FindsTheCameraMotionAmongMovers) {
 }
 
 TEST(MotionCheck, SaysNothingWithoutAgreement) {
-  EXPECT_FALSE(estimate_motion(test_camera(), observe(8, 8), {}, {}, 5).has_value());
+  EXPECT_FALSE(estimate_motion(testing::vga_camera(), observe(8, 8), {}, {}, 5).has_value());
   std::mt19937_64 random(9);
   auto points = observe(100, 100);
   for (auto& p : points) p.previous = {uniform(random, 0, 640), uniform(random, 0, 480)};
-  EXPECT_FALSE(estimate_motion(test_camera(), points, {}, {}, 5).has_value());
+  EXPECT_FALSE(estimate_motion(testing::vga_camera(), points, {}, {}, 5).has_value());
 }
 
 TEST(MotionCheck, WhatIsExpectedDecidesWhereFewPointsCannot) {
   // Seventy points in a corner of the image at nearly one depth: a turn and a shift look alike.
-  const Camera camera = test_camera();
+  const Camera camera = testing::vga_camera();
   std::mt19937_64 random(11);
   Vector6d turn = Vector6d::Zero();
   turn[4] = -0.06;
@@ -103,7 +97,7 @@ TEST(MotionCheck, WhatIsExpectedDecidesWhereFewPointsCannot) {
 }
 
 TEST(MotionCheck, WithoutDepthOnlyMotionAcrossTheEpipolarLineShows) {
-  const Camera camera = test_camera();
+  const Camera camera = testing::vga_camera();
   Se3 sideways;
   sideways.translation = {0.1, 0.0, 0.0};  // previous = current + 0.1 m: 52.5 px / z to the right
   const Eigen::Vector2d now(300.0, 200.0);
@@ -116,7 +110,7 @@ TEST(MotionCheck, WithoutDepthOnlyMotionAcrossTheEpipolarLineShows) {
 }
 
 TEST(Epipolar, FindsFFromLowRegionsThoughPeopleAreTheMajority) {
-  const Camera camera = test_camera();
+  const Camera camera = testing::vga_camera();
   const auto points = observe(300, 120);  // 60% of the matches move alike
   PointMatches matches;
   for (std::size_t i = 0; i < points.size(); ++i) {

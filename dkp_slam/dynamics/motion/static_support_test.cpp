@@ -5,18 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/vga_camera.h"
+
 namespace dkp_slam {
 namespace {
 
 using Flags = std::vector<std::uint8_t>;
-
-Camera camera() {
-  Camera c;
-  c.fx = c.fy = 525.0;
-  c.cx = 319.5;
-  c.cy = 239.5;
-  return c;
-}
 
 TEST(StaticSupport, IsWhatLiesOutsideAllBoxes) {
   const std::vector<cv::Point2f> points = {{10, 10}, {60, 60}, {150, 60}, {300, 300}};
@@ -56,7 +50,7 @@ TEST(StaticSupport, LooksCloserWhereAThirdMoves) {
 TEST(StaticSupport, TakesPointsOnAPlaneInBoxesToo) {
   cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(3.0F));
   depth.colRange(200, 300) = 2.0F;
-  const DepthView view = make_depth_view(depth, depth_view_rays(camera()));
+  const DepthView view = make_depth_view(depth, depth_view_rays(testing::vga_camera()));
   const Plane wall{Eigen::Vector3f::UnitZ(), 3.0F};
   Flags flags{0, 0, 1};
   add_points_on_planes(view, {{100, 100}, {250, 100}, {260, 100}}, {wall}, {}, flags);
@@ -79,7 +73,7 @@ Crowded crowded() {
     depth.col(u) = 1.8 - 0.3 * std::sin(CV_PI * (u - somebody.start) / somebody.size());
   }
   Crowded scene;
-  scene.view = make_depth_view(depth, depth_view_rays(camera()));
+  scene.view = make_depth_view(depth, depth_view_rays(testing::vga_camera()));
   const auto add = [&](int from, int to, int rows, bool wall) {
     for (int u = from; u < to; u += 20) {
       for (int r = 0; r < rows; ++r) {

@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 /// A circle in two seconds, every other pose `error` above and below it.
-Trajectory circle(double error) {
+Trajectory up_and_down(double error) {
   Trajectory path;
   for (int i = 0; i < 60; ++i) {
     path.push_back({10.0 + i / 30.0, {}});
@@ -27,7 +27,7 @@ Trajectory circle(double error) {
 }
 
 TEST(EvaluationPage, HoldsFiguresPathsErrorsAndDrift) {
-  const Trajectory truth = circle(0.0), estimate = circle(0.01);
+  const Trajectory truth = up_and_down(0.0), estimate = up_and_down(0.01);
   const std::string page =
       evaluation_page(truth, estimate, evaluate(truth, estimate), "truth.txt", "mine.txt");
   EXPECT_EQ(MarkupCheck(page).problem(), "");
@@ -48,7 +48,7 @@ TEST(EvaluationPage, HoldsFiguresPathsErrorsAndDrift) {
 }
 
 TEST(EvaluationPage, WhatCannotBeComparedIsSaidAndNamesAreText) {
-  const Trajectory truth = circle(0.0), estimate = circle(0.01);
+  const Trajectory truth = up_and_down(0.0), estimate = up_and_down(0.01);
   EvaluationOptions options;
   options.steps = {{.delta = 100.0}};
   const std::string page = evaluation_page(truth, estimate, evaluate(truth, estimate, options),

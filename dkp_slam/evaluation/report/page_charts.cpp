@@ -15,7 +15,7 @@ using nlohmann::json;
 
 // Digits after the point: more would make the page longer and say nothing.
 constexpr int time_digits = 3, place_digits = 4, error_digits = 6, value_digits = 3;
-constexpr double path_width = 1.5, truth_width = 2.2;
+constexpr double estimate_width = 1.5, truth_width = 2.2;
 
 double rounded(double value, int digits) {
   const double factor = std::pow(10.0, digits);
@@ -66,7 +66,7 @@ std::string path_chart(std::span<const StampedPose> truth, std::span<const Score
   chart["series"].push_back(path_series("true path", chart::truth_colour, truth_width, during,
                                         Se3(), start + association.offset));
   for (const ScoredPath& path : paths) {
-    chart["series"].push_back(path_series(path.name, path.colour, path_width, path.estimate,
+    chart["series"].push_back(path_series(path.name, path.colour, estimate_width, path.estimate,
                                           path.error.truth_from_estimate, start));
   }
   return chart_element(chart);

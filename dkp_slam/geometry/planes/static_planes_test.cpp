@@ -2,25 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/vga_camera.h"
+
 namespace dkp_slam {
 namespace {
 
 constexpr float table_height = 0.6F;  // metres below the camera
-
-Camera test_camera() {
-  Camera camera;
-  camera.fx = camera.fy = 525.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
 
 Plane table(float below = table_height) { return {Eigen::Vector3f::UnitY(), below}; }
 
 /// A table below the camera that ends `to_column`; beyond it, and above, a wall 3 m away.
 DepthView view_of_table(int to_column, float below = table_height) {
   cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(3.0F));
-  const Camera camera = test_camera();
+  const Camera camera = testing::vga_camera();
   for (int v = 0; v < 480; ++v) {
     for (int u = 0; u < to_column; ++u) {
       const double slope = camera.unproject({double(u), double(v)}, 1.0).y();
@@ -41,7 +35,7 @@ StaticPlanes planes_with_table() {
 TEST(StaticPlanes, WhatLiesInSomebodyMoreThanElsewhereIsNone) {
   // A flat surface 1 m away fills the view; a strip of it shows beside whoever is meant to be
   // there.
-  const Camera camera = test_camera();
+  const Camera camera = testing::vga_camera();
   const DepthView flat =
       make_depth_view(cv::Mat(480, 640, CV_32FC1, cv::Scalar(1.0F)), depth_view_rays(camera));
   cv::Mat most = cv::Mat::zeros(flat.depth.size(), CV_8UC1);

@@ -136,13 +136,13 @@ std::string text_of(const StreamAddress& address) {
 
 /// Whether somebody listens at this Unix socket.
 bool answers(const sockaddr_un& address) {
-  const Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const FileDescriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   return ::connect(socket.number(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) ==
              0 ||
          errno == EAGAIN;
 }
 
-Descriptor listen_at_path(const std::string& path, const std::string& name) {
+FileDescriptor listen_at_path(const std::string& path, const std::string& name) {
   const sockaddr_un address = unix_address(path);
   namespace fs = std::filesystem;
   std::error_code error;
@@ -153,7 +153,7 @@ Descriptor listen_at_path(const std::string& path, const std::string& name) {
   } else if (fs::exists(there)) {
     fail(name, "is there and is no socket; choose another path");
   }
-  Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  FileDescriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (!socket.open() ||
       ::bind(socket.number(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0 ||
       ::listen(socket.number(), 1) != 0) {
@@ -172,9 +172,9 @@ std::uint16_t port_of(int descriptor) {
                    : reinterpret_cast<const sockaddr_in&>(storage).sin_port);
 }
 
-Descriptor listen_at_port(const StreamAddress& address, const std::string& name) {
+FileDescriptor listen_at_port(const StreamAddress& address, const std::string& name) {
   const auto addresses = resolve(address, name);
-  Descriptor socket(
+  FileDescriptor socket(
       ::socket(addresses->ai_family, SOCK_STREAM | SOCK_CLOEXEC, addresses->ai_protocol));
   const int yes = 1;  // a run that ended a moment ago does not keep the port
   if (!socket.open() ||
@@ -208,13 +208,13 @@ class SocketInput : public ByteInput {
   bool has_peers() const override { return true; }
 
   bool next_peer(double seconds) override {
-    peer_ = Descriptor();
+    peer_ = FileDescriptor();
     const Clock::time_point start = Clock::now();
     while (!stopped(options_)) {
       std::array looked{pollfd{listener_.number(), POLLIN, 0}};
       look_at(looked);
       if (looked[0].revents != 0) {
-        peer_ = Descriptor(::accept4(listener_.number(), nullptr, nullptr, SOCK_CLOEXEC));
+        peer_ = FileDescriptor(::accept4(listener_.number(), nullptr, nullptr, SOCK_CLOEXEC));
         if (peer_.open()) return true;
       }
       if (seconds >= 0.0 && seconds_since(start) > seconds) return false;
@@ -255,28 +255,28 @@ class SocketInput : public ByteInput {
   StreamAddress address_;
   std::string name_;
   const ChannelOptions options_;
-  Descriptor listener_, peer_;
+  FileDescriptor listener_, peer_;
 };
 
 /// A connected socket, or nothing, with errno.
-std::optional<Descriptor> try_connect(const StreamAddress& address) {
+std::optional<FileDescriptor> try_connect(const StreamAddress& address) {
   if (address.kind == StreamAddress::Kind::unix_socket) {
     const sockaddr_un to = unix_address(address.path);
-    Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    FileDescriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
     if (::connect(socket.number(), reinterpret_cast<const sockaddr*>(&to), sizeof(to)) == 0) {
       return socket;
     }
     return std::nullopt;
   }
   const auto to = resolve(address, text_of(address));
-  Descriptor socket(::socket(to->ai_family, SOCK_STREAM | SOCK_CLOEXEC, to->ai_protocol));
+  FileDescriptor socket(::socket(to->ai_family, SOCK_STREAM | SOCK_CLOEXEC, to->ai_protocol));
   if (::connect(socket.number(), to->ai_addr, to->ai_addrlen) == 0) return socket;
   return std::nullopt;
 }
 
 }  // namespace
 
-Descriptor::~Descriptor() {
+FileDescriptor::~FileDescriptor() {
   if (open()) ::close(number_);
 }
 

@@ -12,12 +12,12 @@
 namespace dkp_slam {
 
 /// An open file, pipe or socket, closed with the object.
-class Descriptor {
+class FileDescriptor {
  public:
-  explicit Descriptor(int number = -1) : number_(number) {}
-  ~Descriptor();
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
+  explicit FileDescriptor(int number = -1) : number_(number) {}
+  ~FileDescriptor();
+  FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
     std::swap(number_, other.number_);
     return *this;
   }
@@ -82,7 +82,7 @@ class ByteOutput {
  private:
   std::string name_;
   ChannelOptions options_;
-  Descriptor owned_;
+  FileDescriptor owned_;
   int number_ = -1;
 };
 

@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 
 constexpr double chin = 1.522;  // metres above the floor
 constexpr double crown = 1.750;
-constexpr double ahead = 0.012;   // the head's axis ahead of the figure's
-constexpr double frontal = 0.45;  // more columns in the face than on the back of the head
+constexpr double head_ahead = 0.012;  // the head's axis ahead of the figure's
+constexpr double frontal = 0.45;      // more columns in the face than on the back of the head
 constexpr int columns = 40;
 
 double gauss(double value, double sigma) { return std::exp(-0.5 * value * value / sigma / sigma); }
@@ -65,7 +65,7 @@ SkinnedMesh ear(int side) {
   skin.mesh = ellipsoid_mesh({0.019, 0.009, 0.032}, 10, nullptr);
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(-0.15, Vector3d::UnitY()) *
                                 Eigen::AngleAxisd(0.35 * side, Vector3d::UnitZ()));
-  skin.mesh = Se3(tilt, {ahead - 0.008, 0.073 * side, chin + 0.098}) * skin.mesh;
+  skin.mesh = Se3(tilt, {head_ahead - 0.008, 0.073 * side, chin + 0.098}) * skin.mesh;
   // The skin in front of the ear, a little darker in its hollows.
   for (Eigen::Vector2f& uv : skin.mesh.uv) {
     uv = {0.5F + 0.27F * static_cast<float>(side) + 0.03F * (uv.x() - 0.5F),
@@ -118,7 +118,7 @@ SkinnedMesh hair(const FigureLook& look) {
       const double up = smooth_step(z, 0.15, 0.228);
       const Vector3d outwards(std::cos(angle), std::sin(angle), 0.0);
       p += off * ((1.0 - 0.75 * up) * outwards + up * Vector3d::UnitZ());
-      p += Vector3d(ahead, 0.0, chin);
+      p += Vector3d(head_ahead, 0.0, chin);
       skin.mesh.rest.vertices.push_back(p.cast<float>());
       skin.mesh.uv.emplace_back(static_cast<float>(u), static_cast<float>(q));
       // Long hair lies on the shoulders.
@@ -140,7 +140,7 @@ std::vector<SkinnedMesh> figure_head(const FigureLook& look, const FigureTexture
   shape.sides = columns;
   shape.frontal = frontal;
   SkinnedMesh head = loft(
-      shape, {Eigen::Quaterniond::Identity(), Vector3d(ahead, 0.0, chin)},
+      shape, {Eigen::Quaterniond::Identity(), Vector3d(head_ahead, 0.0, chin)},
       [](const Vector3d& p) { return head_influence(p.z()); },
       [&](double angle, const Vector3d& p) { return with_features(look, angle, p); });
   for (const int side : {1, -1}) append(ear(side), head);

@@ -23,7 +23,7 @@ constexpr double pitch = -0.12;         // radians: the floor ahead and the far 
 constexpr double step_frequency = 1.7;  // Hz, of a slow walker's steps
 constexpr double bob = 0.012;           // metres up and down with each step
 constexpr double sway = 0.012;          // metres aside with every second step
-constexpr double knot_interval = 0.1;   // seconds
+constexpr double path_knot_interval = 0.1;  // seconds
 
 /// A closed line of points at equal distances.
 class Loop {
@@ -107,13 +107,13 @@ double walking_length(const std::vector<Vector2d>& way_points) { return Loop(way
 CameraPath walking_motion(const std::vector<Vector2d>& way_points, std::uint64_t seed) {
   const Loop loop(way_points);
   // A whole number of knots goes around, so the speed is a little off the named one.
-  const auto knots =
-      static_cast<std::size_t>(std::ceil(loop.length() / (camera_walking_speed * knot_interval)));
+  const auto knots = static_cast<std::size_t>(
+      std::ceil(loop.length() / (camera_walking_speed * path_knot_interval)));
   std::vector<Se3> path;
   for (std::size_t i = 0; i < knots; ++i) {
     path.push_back(carried(loop, loop.length() * static_cast<double>(i) / double(knots)));
   }
-  const auto spline = std::make_shared<const PoseSpline>(std::move(path), knot_interval, true);
+  const auto spline = std::make_shared<const PoseSpline>(std::move(path), path_knot_interval, true);
   // The hands' own trembling; its mean is at rest.
   const CameraPath hands = hand_motion(SyntheticMotion::still, seed, {Vector3d::Zero(), 0.0, 0.0});
   const Se3 level = Se3(camera_view(0.0, 0.0, 0.0), Vector3d::Zero()).inverse();
