@@ -9,6 +9,7 @@ namespace dkp_slam::apps {
 /// are closed lead nowhere (a file opened later would get their numbers, and messages with them),
 /// and a reader that goes away or a limit on the size of files ends writing, not the program. Where
 /// memory runs out in a library that then cannot go on, the program ends with code 1 and a line.
+/// All threads take memory from two arenas: one for each keeps what another could use.
 void prepare_process();
 
 /// What to tell of an exception, in one line: of memory that ran out, what that means.

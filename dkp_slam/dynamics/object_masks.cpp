@@ -8,7 +8,7 @@ namespace dkp_slam {
 namespace {
 
 /// False when an object that the detector missed is not to be found in the depth either.
-bool cut_object(const MaskCutter& cutter, const Scene& scene, const StaticBackground* background,
+bool cut_object(const MaskCutter& cutter, const Scene& scene, StaticBackground* background,
                 const cv::Mat& grey, std::uint64_t seed, ObjectTracker& objects,
                 std::size_t index) {
   const ObjectTracker::Tracked& t = objects.objects()[index];
@@ -25,7 +25,7 @@ bool cut_object(const MaskCutter& cutter, const Scene& scene, const StaticBackgr
 
 }  // namespace
 
-void cut_objects(const MaskCutter& cutter, const Scene& scene, const StaticBackground* background,
+void cut_objects(const MaskCutter& cutter, const Scene& scene, StaticBackground* background,
                  const cv::Mat& grey, std::uint64_t seed, ObjectTracker& objects) {
   std::vector<bool> gone(objects.objects().size(), false);
   for (std::size_t o = 0; o < gone.size(); ++o) {

@@ -13,7 +13,7 @@ namespace dkp_slam {
 /// Cuts the mask of every object that moves by itself and drops carried ones that are not to be
 /// found any more, or that are another one's double. `background` may be null; `grey` is the image,
 /// CV_8UC1.
-void cut_objects(const MaskCutter& cutter, const Scene& scene, const StaticBackground* background,
+void cut_objects(const MaskCutter& cutter, const Scene& scene, StaticBackground* background,
                  const cv::Mat& grey, std::uint64_t seed, ObjectTracker& objects);
 
 /// CV_8UC1 of the image's size: i + 1 in the mask of `tracker.objects()[i]`, near ones on top.

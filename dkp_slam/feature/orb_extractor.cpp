@@ -60,6 +60,18 @@ cv::Rect inner_part(const cv::Size& image) {
   return {border - 3, border - 3, image.width - 2 * border + 6, image.height - 2 * border + 6};
 }
 
+/// The part of a level's image that the descriptors of these corners depend on.
+cv::Rect described_part(const std::vector<cv::KeyPoint>& corners, const cv::Size& image) {
+  constexpr int reach = 24;  // pixels: a turned patch, blurred
+  cv::Point low(image.width, image.height), high(0, 0);
+  for (const cv::KeyPoint& k : corners) {
+    const cv::Point at(cvRound(k.pt.x), cvRound(k.pt.y));
+    low = {std::min(low.x, at.x - reach), std::min(low.y, at.y - reach)};
+    high = {std::max(high.x, at.x + reach), std::max(high.y, at.y + reach)};
+  }
+  return cv::Rect(low, high) & cv::Rect({0, 0}, image);
+}
+
 void append(const OrbFeatures& more, OrbFeatures& all) {
   all.keypoints.insert(all.keypoints.end(), more.keypoints.begin(), more.keypoints.end());
   all.descriptors.insert(all.descriptors.end(), more.descriptors.begin(), more.descriptors.end());
@@ -190,8 +202,12 @@ OrbFeatures OrbExtractor::describe(const cv::Mat& image, std::vector<cv::KeyPoin
   const auto l = static_cast<std::size_t>(level);
   add_angles(image, corners);
   // One level at a time on our own pyramid: OpenCV would build its own again, the slow exact way.
+  // It blurs all that it is given.
+  const cv::Rect part = described_part(corners, image.size());
+  for (cv::KeyPoint& k : corners) k.pt -= cv::Point2f(part.tl());
   cv::Mat rows;
-  describers_[l]->compute(image, corners, rows);
+  describers_[l]->compute(image(part), corners, rows);
+  for (cv::KeyPoint& k : corners) k.pt += cv::Point2f(part.tl());
   OrbFeatures out;
   out.keypoints = std::move(corners);
   const auto size =

@@ -19,18 +19,17 @@ std::uint32_t lane(const Descriptor& d, std::size_t i) {
 }
 
 /// Entries of the slots whose signature is near enough.
-template <class Slot>
-DKP_SLAM_POPCNT void popcnt_filter(const std::vector<Slot>& slots, std::uint32_t signature,
-                                   int bound, std::vector<std::int32_t>& out) {
-  for (const Slot& s : slots) {
+DKP_SLAM_POPCNT void popcnt_filter(std::span<const PlaceBucket::Slot> slots,
+                                   std::uint32_t signature, int bound,
+                                   std::vector<std::int32_t>& out) {
+  for (const auto& s : slots) {
     if (__builtin_popcount(s.signature ^ signature) <= bound) out.push_back(s.entry);
   }
 }
 
-template <class Slot>
-void portable_filter(const std::vector<Slot>& slots, std::uint32_t signature, int bound,
+void portable_filter(std::span<const PlaceBucket::Slot> slots, std::uint32_t signature, int bound,
                      std::vector<std::int32_t>& out) {
-  for (const Slot& s : slots) {
+  for (const auto& s : slots) {
     if (__builtin_popcount(s.signature ^ signature) <= bound) out.push_back(s.entry);
   }
 }
@@ -49,11 +48,11 @@ PlaceIndex::PlaceIndex(const PlaceIndexOptions& options)
   buckets_.resize(static_cast<std::size_t>(options.tables) * keys);
 }
 
-const PlaceIndex::Bucket& PlaceIndex::bucket(std::size_t table, const Descriptor& d) const {
+const PlaceBucket& PlaceIndex::bucket(std::size_t table, const Descriptor& d) const {
   return buckets_[table * keys + lane(d, table * lanes_apart_)];
 }
 
-PlaceIndex::Bucket& PlaceIndex::bucket(std::size_t table, const Descriptor& d) {
+PlaceBucket& PlaceIndex::bucket(std::size_t table, const Descriptor& d) {
   return buckets_[table * keys + lane(d, table * lanes_apart_)];
 }
 
@@ -83,21 +82,14 @@ void PlaceIndex::insert(int landmark, const Descriptor& look) {
   entries_[static_cast<std::size_t>(e)] = {look, landmark, first ? *first : none};
   first_entry_.set(landmark, e);
   for (std::size_t t = 0; t < static_cast<std::size_t>(options_.tables); ++t) {
-    bucket(t, look).push_back({signature(t, look), e});
+    bucket(t, look).insert({signature(t, look), e});
   }
 }
 
 void PlaceIndex::erase(std::int32_t e) {
   Entry& entry = entries_[static_cast<std::size_t>(e)];
   for (std::size_t t = 0; t < static_cast<std::size_t>(options_.tables); ++t) {
-    Bucket& slots = bucket(t, entry.descriptor);
-    const auto it =
-        std::find_if(slots.begin(), slots.end(), [e](const Slot& s) { return s.entry == e; });
-    *it = slots.back();
-    slots.pop_back();
-    // Descriptors come and go all over the tables: buckets that kept their memory would end up with
-    // many times what is in them.
-    if (4 * slots.size() <= slots.capacity()) slots.shrink_to_fit();
+    bucket(t, entry.descriptor).erase(e);
   }
   entry.landmark = none;
   free_.push_back(e);
@@ -146,9 +138,9 @@ void PlaceIndex::find(const Map& map, const Descriptor& feature, std::vector<std
   near.clear();
   landmarks.clear();
   for (std::size_t t = 0; t < static_cast<std::size_t>(options_.tables); ++t) {
-    const Bucket& slots = bucket(t, feature);
+    const auto slots = bucket(t, feature).slots();
     if (slots.size() > options_.busy_bucket) continue;
-    const auto filter = have_popcnt() ? popcnt_filter<Slot> : portable_filter<Slot>;
+    const auto filter = have_popcnt() ? popcnt_filter : portable_filter;
     filter(slots, signature(t, feature), options_.signature_bits, near);
   }
   sort_unique(near);
@@ -247,9 +239,10 @@ std::vector<PlaceCandidate> PlaceIndex::best_groups(const Map& map,
 }
 
 std::size_t PlaceIndex::memory() const {
-  std::size_t bytes = buckets_.capacity() * sizeof(Bucket) + entries_.capacity() * sizeof(Entry) +
+  std::size_t bytes = buckets_.capacity() * sizeof(PlaceBucket) +
+                      entries_.capacity() * sizeof(Entry) +
                       free_.capacity() * sizeof(std::int32_t) + first_entry_.memory();
-  for (const Bucket& b : buckets_) bytes += b.capacity() * sizeof(Slot);
+  for (const PlaceBucket& b : buckets_) bytes += b.memory();
   return bytes;
 }
 

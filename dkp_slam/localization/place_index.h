@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dkp_slam/feature/descriptor.h"
+#include "dkp_slam/localization/place_bucket.h"
 #include "dkp_slam/map/id_table.h"
 #include "dkp_slam/map/map.h"
 
@@ -95,14 +96,9 @@ class PlaceIndex {
     std::int32_t landmark = none;  // none: the entry is free
     std::int32_t next = none;      // entry with another look of the same landmark
   };
-  struct Slot {
-    std::uint32_t signature;
-    std::int32_t entry;
-  };
-  using Bucket = std::vector<Slot>;
 
-  const Bucket& bucket(std::size_t table, const Descriptor& d) const;
-  Bucket& bucket(std::size_t table, const Descriptor& d);
+  const PlaceBucket& bucket(std::size_t table, const Descriptor& d) const;
+  PlaceBucket& bucket(std::size_t table, const Descriptor& d);
   std::uint32_t signature(std::size_t table, const Descriptor& d) const;
   bool wants(int landmark, const Descriptor& look) const;
   void insert(int landmark, const Descriptor& look);
@@ -114,7 +110,7 @@ class PlaceIndex {
 
   const PlaceIndexOptions options_;
   const std::size_t lanes_apart_;
-  std::vector<Bucket> buckets_;  // table after table
+  std::vector<PlaceBucket> buckets_;  // table after table
   std::vector<Entry> entries_;
   std::vector<std::int32_t> free_;
   IdTable<std::int32_t> first_entry_;  // by landmark

@@ -110,9 +110,11 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
 
 TEST(PngDecoder, UndoesEveryFilterOnEveryKindAndSize) {
   PngDecoder decoder;
-  const std::vector<std::vector<int>> filters = {{0}, {1}, {2}, {3}, {4}, {4, 4, 0, 4, 1, 2, 3}};
+  const std::vector<std::vector<int>> filters = {
+      {0}, {1}, {2}, {3}, {4}, {4, 4, 0, 4, 1, 2, 3}, {4, 4, 4, 2}, {3, 4, 4, 4, 4, 4}};
   for (const int type : {CV_8UC1, CV_16UC1, CV_8UC3}) {
-    for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 6), cv::Size(2, 5), cv::Size(53, 17)}) {
+    for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 6), cv::Size(2, 5), cv::Size(3, 8),
+                                cv::Size(4, 9), cv::Size(53, 17)}) {
       const cv::Mat image = random_image(size.width, size.height, type);
       for (const auto& rows : filters) {
         const Bytes file = encode(image, rows);

@@ -13,6 +13,16 @@ float depth_at(const DepthView& view, const cv::Point2f& p) {
                               std::clamp(cvRound(p.x) / DepthView::step, 0, view.depth.cols - 1));
 }
 
+constexpr double packed_per_metre = 4000.0;
+
+/// What was seen before the newest frame is kept to a quarter of a millimetre (a Kinect's depth at
+/// one metre is wrong by more than one), in half the memory. Farther than 16 m counts as 16 m.
+cv::Mat pack(const cv::Mat& metres) {
+  cv::Mat packed;
+  metres.convertTo(packed, CV_16U, packed_per_metre);
+  return packed;
+}
+
 float median(std::vector<float> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -38,12 +48,17 @@ void MotionHistory::add(double time, const DepthView& view, const std::vector<cv
                         const FlowResult& tracks) {
   Step step;
   step.time = time;
-  step.view = view;
+  step.depth = view.depth;
+  rays_ = view.rays;
+  const DepthView before = steps_.empty() ? view : view_of(steps_.back());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (tracks.tracked[i] == 0) continue;
     step.now.push_back(points[i]);
     step.before.push_back(tracks.previous[i]);
+    step.depth_now.push_back(depth_at(view, step.now.back()));
+    step.depth_before.push_back(depth_at(before, step.before.back()));
   }
+  if (!steps_.empty()) steps_.back().depth = pack(steps_.back().depth);
   steps_.push_back(std::move(step));
   // The step into the oldest moment asked for begins a frame earlier.
   while (steps_.size() > 2 && time - steps_[1].time > seconds_) steps_.pop_front();
@@ -51,6 +66,17 @@ void MotionHistory::add(double time, const DepthView& view, const std::vector<cv
 
 void MotionHistory::set_ego_motion(const Se3& current_from_previous) {
   if (!steps_.empty()) steps_.back().current_from_previous = current_from_previous;
+}
+
+DepthView MotionHistory::view_of(const Step& step) const {
+  DepthView view;
+  view.rays = rays_;
+  if (step.depth.type() == CV_32F) {
+    view.depth = step.depth;
+  } else {
+    step.depth.convertTo(view.depth, CV_32F, 1.0 / packed_per_metre);
+  }
+  return view;
 }
 
 /// Median of the nearest layer that fills a good part of the box's middle; 0 when there is none.
@@ -70,17 +96,17 @@ float MotionHistory::object_depth(const DepthView& view, const cv::Rect2f& box) 
 }
 
 /// Median flow over one step of what lay in the box at the object's depth, and its depth then.
-std::optional<MotionHistory::Motion> MotionHistory::measured(const Step& before, const Step& step,
+std::optional<MotionHistory::Motion> MotionHistory::measured(const Step& step,
                                                              const cv::Rect2f& box,
                                                              float depth) const {
   std::vector<cv::Point2f> flow;
   std::vector<float> depths;
   for (std::size_t i = 0; i < step.now.size(); ++i) {
     if (!box.contains(step.before[i])) continue;
-    const float z = depth_at(before.view, step.before[i]);
+    const float z = step.depth_before[i];
     if (depth > 0.0F && std::abs(z - depth) > options_.depth_reach) continue;
     flow.push_back(step.now[i] - step.before[i]);
-    const float now = depth_at(step.view, step.now[i]);
+    const float now = step.depth_now[i];
     if (now > 0.0F && std::abs(now - z) < options_.depth_reach) depths.push_back(now);
   }
   constexpr std::size_t least = 5;  // a median of fewer follows a single wrong match
@@ -107,7 +133,7 @@ void MotionHistory::advance(const Step& before, const Step& step, float share,
   const auto seconds = static_cast<float>(step.time - before.time);
   const cv::Point2f with_camera = static_shift(step, centre_of(carried.box), carried.depth);
   Motion motion{with_camera + seconds * own_velocity, carried.depth};
-  if (const auto found = measured(before, step, carried.box, carried.depth)) {
+  if (const auto found = measured(step, carried.box, carried.depth)) {
     motion = *found;
     own_velocity = (motion.shift - with_camera) / seconds;
   }
@@ -124,13 +150,14 @@ std::optional<MotionHistory::Carried> MotionHistory::carry(const cv::Rect2f& box
   // The last frame that is not newer than the image, which itself may have been dropped.
   std::size_t from = steps_.size() - 1;
   while (from > 0 && steps_[from].time > time + same_time) --from;
+  const DepthView view = view_of(steps_[from]);
   Carried carried;
   carried.box = box;
   if (!silhouette.empty()) {
-    carried.mask = mask_from_silhouette(steps_[from].view, silhouette, box);
+    carried.mask = mask_from_silhouette(view, silhouette, box);
     carried.depth = carried.mask.mean_depth;
   }
-  if (carried.depth <= 0.0F) carried.depth = object_depth(steps_[from].view, box);
+  if (carried.depth <= 0.0F) carried.depth = object_depth(view, box);
   cv::Point2f own_velocity;  // beside what the camera's motion makes of it, pixels a second
   for (std::size_t k = from + 1; k < steps_.size(); ++k) {
     const double length = steps_[k].time - steps_[k - 1].time;

@@ -62,17 +62,18 @@ class MotionHistory {
  private:
   struct Step {
     double time = 0.0;
-    DepthView view;
-    std::vector<cv::Point2f> now, before;  // features that were tracked from the frame before
+    cv::Mat depth;                               // of the view; see `pack`
+    std::vector<cv::Point2f> now, before;        // features that were tracked from the frame before
+    std::vector<float> depth_now, depth_before;  // theirs, metres, 0 where unknown
     std::optional<Se3> current_from_previous;
   };
   struct Motion {
     cv::Point2f shift;
     float depth = 0.0F;
   };
+  DepthView view_of(const Step& step) const;
   float object_depth(const DepthView& view, const cv::Rect2f& box) const;
-  std::optional<Motion> measured(const Step& before, const Step& step, const cv::Rect2f& box,
-                                 float depth) const;
+  std::optional<Motion> measured(const Step& step, const cv::Rect2f& box, float depth) const;
   cv::Point2f static_shift(const Step& step, const cv::Point2f& centre, float depth) const;
   void advance(const Step& before, const Step& step, float share, cv::Point2f& own_velocity,
                Carried& carried) const;
@@ -80,6 +81,7 @@ class MotionHistory {
   Camera camera_;
   MotionHistoryOptions options_;
   double seconds_;
+  cv::Mat rays_;            // of all views
   std::deque<Step> steps_;  // oldest first
 };
 

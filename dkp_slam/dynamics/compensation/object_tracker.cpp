@@ -262,7 +262,8 @@ std::vector<cv::Rect2f> ObjectTracker::self_moving_boxes() const {
 
 ObjectTracker::Cover ObjectTracker::cover(const cv::Size& view_size) const {
   cv::Mat boxes = cv::Mat::zeros(view_size, CV_8UC1);
-  cv::Mat silhouettes = boxes.clone(), hulls = boxes.clone();
+  cv::Mat silhouettes = boxes.clone();
+  std::vector<std::pair<cv::Rect, cv::Mat>> shown;
   bool any = false;
   for (const Tracked& t : objects_) {
     if (!t.object.moves_by_itself) continue;
@@ -273,7 +274,7 @@ ObjectTracker::Cover ObjectTracker::cover(const cv::Size& view_size) const {
     if (t.mask.empty() || to.area() == 0) continue;
     const cv::Mat mask = t.mask.mask(to - shift - t.mask.area.tl());
     silhouettes(to).setTo(255, mask);
-    fill_hull(mask, hulls(to));
+    shown.emplace_back(to, mask);
   }
   if (!any) return {};
   boxes |= silhouettes;
@@ -282,7 +283,10 @@ ObjectTracker::Cover ObjectTracker::cover(const cv::Size& view_size) const {
   // Over a gap people have moved out of their silhouettes, and two backs make a plane.
   constexpr double gap = 0.1;  // seconds
   const bool known = passed_ < gap && cv::countNonZero(silhouettes) > 0;
-  return too_much && known ? Cover{silhouettes, hulls} : Cover{boxes, {}};
+  if (!too_much || !known) return {boxes, {}};
+  cv::Mat hulls = cv::Mat::zeros(view_size, CV_8UC1);
+  for (const auto& [area, mask] : shown) fill_hull(mask, hulls(area));
+  return {silhouettes, hulls};
 }
 
 ObjectPrior ObjectTracker::prior_of(const Tracked& t) {

@@ -1,8 +1,8 @@
 #include "dkp_slam/dynamics/masks/static_background.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 
 #include <opencv2/imgproc.hpp>
 
@@ -69,12 +69,16 @@ float StaticBackground::tolerance(float depth) const {
                             options_.tolerance_quadratic * depth * depth);
 }
 
-void StaticBackground::forget() { std::fill(points_.begin(), points_.end(), Point{}); }
+void StaticBackground::forget() {
+  std::fill(points_.begin(), points_.end(), Point{});
+  proven_.current = false;
+}
 
 void StaticBackground::move(const Se3& current_from_previous) {
   const Eigen::Matrix3f R = current_from_previous.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = current_from_previous.translation.cast<float>();
-  std::vector<Point> moved(points_.size());
+  proven_.current = false;
+  moved_.assign(points_.size(), Point{});
   constexpr float nearest = 0.1F;  // metres
   for (const Point& p : points_) {
     if (p.at.z() <= 0.0F) continue;
@@ -83,46 +87,79 @@ void StaticBackground::move(const Se3& current_from_previous) {
     if (q.at.z() < nearest) continue;
     const int c = cell_of(q.at);
     if (c < 0) continue;
-    Point& there = moved[static_cast<std::size_t>(c)];
+    Point& there = moved_[static_cast<std::size_t>(c)];
     if (there.at.z() <= 0.0F || q.at.z() < there.at.z()) there = q;
   }
-  points_ = std::move(moved);
+  points_.swap(moved_);
 }
 
-StaticBackground::Comparison StaticBackground::compare(const DepthView& view, const cv::Mat& grey,
-                                                       const cv::Rect& area) const {
-  Comparison found{cv::Mat::zeros(area.size(), CV_8UC1), cv::Mat::zeros(area.size(), CV_8UC1)};
-  const std::array<int, 5> around{0, -1, 1, -grid_.width, grid_.width};
-  const int most = static_cast<int>(points_.size());
+/// The points that stood still for long enough, in rows that a pixel's neighbourhood is read from
+/// at once: with an empty row of the grid before the first and after the last.
+void StaticBackground::list_proven() {
+  if (proven_.current) return;
+  proven_.current = true;
+  const auto width = static_cast<std::size_t>(grid_.width);
+  const std::size_t size = points_.size() + 2 * width;
+  proven_.depth.assign(size, 0.0F);
+  proven_.grey.assign(size, 0);
+  proven_.nearest.assign(size, std::numeric_limits<float>::infinity());
+  proven_.farthest.assign(size, -std::numeric_limits<float>::infinity());
+  for (std::size_t c = 0; c < points_.size(); ++c) {
+    const Point& p = points_[c];
+    const float z = p.at.z();
+    if (z <= 0.0F || p.seen - p.since < options_.proof) continue;
+    const std::size_t here = c + width;
+    proven_.depth[here] = z;
+    proven_.grey[here] = p.grey;
+    for (const std::size_t near : {here, here - 1, here + 1, here - width, here + width}) {
+      proven_.nearest[near] = std::min(proven_.nearest[near], z);
+      proven_.farthest[near] = std::max(proven_.farthest[near], z);
+    }
+  }
+}
+
+/// Whether one of the points about a cell is a surface at depth z that looks alike.
+bool StaticBackground::is_known(std::size_t cell, float z, float same, std::uint8_t grey) const {
+  const auto width = static_cast<std::size_t>(grid_.width);
+  for (const std::size_t near : {cell, cell - 1, cell + 1, cell - width, cell + width}) {
+    const float p = proven_.depth[near];
+    if (p > 0.0F && std::abs(p - z) < same &&
+        std::abs(int{proven_.grey[near]} - int{grey}) <= options_.grey_difference) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void StaticBackground::compare(const DepthView& view, const cv::Mat& grey, const cv::Rect& area,
+                               cv::Mat& known, cv::Mat* in_front) {
+  list_proven();
+  known = cv::Mat::zeros(area.size(), CV_8UC1);
+  if (in_front) *in_front = cv::Mat::zeros(area.size(), CV_8UC1);
   for_each_pixel(area, [&](int x, int y) {
     const float z = view.depth.at<float>(y, x);
     const int c = cells_.at<int>(y, x);
     if (z <= 0.0F || c < 0) return;
+    const auto cell = static_cast<std::size_t>(c + grid_.width);
+    const float nearest = proven_.nearest[cell] - z, farthest = proven_.farthest[cell] - z;
+    if (farthest < nearest) return;  // nothing is known about it
     const float same = tolerance(z);
-    const float before = static_cast<float>(options_.front) + same;
-    bool known = false, behind = false, other = false;
-    for (const int step : around) {
-      if (c + step < 0 || c + step >= most) continue;
-      const Point& p = points_[static_cast<std::size_t>(c + step)];
-      if (p.at.z() <= 0.0F || p.seen - p.since < options_.proof) continue;
-      const float further = p.at.z() - z;
-      behind |= further > before;
-      other |= further <= before;
-      known |= std::abs(further) < same &&
-               std::abs(int{p.grey} - int{grey_at(grey, x, y)}) <= options_.grey_difference;
+    if (nearest > static_cast<float>(options_.front) + same) {
+      if (in_front) in_front->at<std::uint8_t>(y - area.y, x - area.x) = 255;
+    } else if (nearest < same && farthest > -same && is_known(cell, z, same, grey_at(grey, x, y))) {
+      known.at<std::uint8_t>(y - area.y, x - area.x) = 255;
     }
-    if (known) found.known.at<std::uint8_t>(y - area.y, x - area.x) = 255;
-    if (behind && !other) found.in_front.at<std::uint8_t>(y - area.y, x - area.x) = 255;
   });
   // Thin bands are where somebody touches what is known, and the edges of steps.
-  for (cv::Mat* pieces : {&found.known, &found.in_front}) {
-    cv::morphologyEx(*pieces, *pieces, cv::MORPH_OPEN, disc(options_.opening));
+  for (cv::Mat* pieces : {&known, in_front}) {
+    if (pieces) cv::morphologyEx(*pieces, *pieces, cv::MORPH_OPEN, disc(options_.opening));
   }
-  return found;
 }
 
-cv::Mat StaticBackground::known(const DepthView& view, const cv::Mat& grey) const {
-  return compare(view, grey, cv::Rect({0, 0}, view.depth.size())).known;
+cv::Mat StaticBackground::known(const DepthView& view, const cv::Mat& grey) {
+  cv::Mat known;
+  compare(view, grey, cv::Rect({0, 0}, view.depth.size()), known, nullptr);
+  return known;
 }
 
 /// Takes what is known out of a mask, and what is then left of its rim.
@@ -137,16 +174,17 @@ void StaticBackground::cut_known(const cv::Mat& known, cv::Mat& mask) const {
 }
 
 void StaticBackground::correct(const DepthView& view, const cv::Mat& grey, const cv::Rect2f& box,
-                               ObjectMask& mask) const {
+                               ObjectMask& mask) {
   if (mask.empty()) return;
   const cv::Rect inside = view_rect(box, view.depth.size());
   const cv::Rect area = mask.area | inside;
-  const Comparison found = compare(view, grey, area);
+  cv::Mat known, in_front;
+  compare(view, grey, area, known, &in_front);
   cv::Mat whole = cv::Mat::zeros(area.size(), CV_8UC1);
   mask.mask.copyTo(whole(mask.area - area.tl()));
-  cut_known(found.known, whole);
+  cut_known(known, whole);
   const cv::Rect part = inside - area.tl();
-  whole(part).setTo(255, found.in_front(part));
+  whole(part).setTo(255, in_front(part));
   mask.area = area;
   mask.mask = whole;
   // Depth and share stay those of the clusters, which the next frame's begin with.
@@ -166,6 +204,7 @@ double StaticBackground::since_beside(int c, float z, double time) const {
 
 void StaticBackground::learn(const DepthView& view, const cv::Mat& grey,
                              const std::vector<cv::Rect2f>& hidden, double time) {
+  proven_.current = false;
   cv::Mat free(view.depth.size(), CV_8UC1, cv::Scalar(255));
   constexpr float margin = 16.0F;  // pixels
   for (const cv::Rect2f& box : hidden) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -44,10 +45,9 @@ class StaticBackground {
   void forget();  ///< where the camera's motion is unknown
   /// Gives back and adds to a mask, inside of `box` (pixels of the image), what the comparison with
   /// a frame tells: `view` and `grey` (CV_8UC1, image size).
-  void correct(const DepthView& view, const cv::Mat& grey, const cv::Rect2f& box,
-               ObjectMask& mask) const;
+  void correct(const DepthView& view, const cv::Mat& grey, const cv::Rect2f& box, ObjectMask& mask);
   /// CV_8UC1, size of the view: 255 where what is seen is a surface that was seen standing still.
-  cv::Mat known(const DepthView& view, const cv::Mat& grey) const;
+  cv::Mat known(const DepthView& view, const cv::Mat& grey);
   /// Learns what lies outside of `hidden`, boxes in pixels of the image.
   void learn(const DepthView& view, const cv::Mat& grey, const std::vector<cv::Rect2f>& hidden,
              double time);
@@ -60,12 +60,20 @@ class StaticBackground {
     std::uint8_t grey = 0;
   };
 
-  /// Of an area of the view, CV_8UC1: 255 on known background, and on what is in front of it.
-  struct Comparison {
-    cv::Mat known, in_front;
+  /// Of the points, as they are now, those of surfaces that stood still for long enough.
+  struct Proven {
+    bool current = false;
+    std::vector<float> depth;  ///< metres, 0: none
+    std::vector<std::uint8_t> grey;
+    std::vector<float> nearest, farthest;  ///< of a cell and the four beside it; infinite: none
   };
 
-  Comparison compare(const DepthView& view, const cv::Mat& grey, const cv::Rect& area) const;
+  void list_proven();
+  bool is_known(std::size_t cell, float z, float same, std::uint8_t grey) const;
+  /// Of an area of the view, CV_8UC1: 255 on known background, and on what is in front of it
+  /// (null: nobody asks).
+  void compare(const DepthView& view, const cv::Mat& grey, const cv::Rect& area, cv::Mat& known,
+               cv::Mat* in_front);
   int cell_of(const Eigen::Vector3f& p) const;
   float tolerance(float depth) const;
   double since_beside(int c, float z, double time) const;
@@ -76,6 +84,8 @@ class StaticBackground {
   cv::Size grid_;
   cv::Mat cells_;  // CV_32SC1, view size: each pixel's cell, or -1
   std::vector<Point> points_;
+  std::vector<Point> moved_;  // scratch
+  Proven proven_;
 };
 
 }  // namespace dkp_slam
