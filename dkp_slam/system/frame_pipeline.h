@@ -33,7 +33,7 @@ struct PreparedFrame {
 /// Feature extraction and detection, each in its own thread, between whoever feeds frames and the
 /// tracker.
 ///
-/// Offline the stages form a line (features, detections) through queues of one frame, so every
+/// Offline the stages form a line (features, detections) through queues of two frames, so every
 /// frame gets its own detections and the result does not depend on timing. Live the detector works
 /// beside the line, on the newest frame, and frames that come too fast are dropped, the oldest
 /// first. A frame into which somebody may have stepped (the first, after a gap, or much has come
