@@ -1,5 +1,4 @@
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -10,6 +9,7 @@
 
 #include "apps/commands.h"
 #include "apps/frame_rate_option.h"
+#include "apps/print_text.h"
 #include "apps/true_path.h"
 #include "apps/whole_number.h"
 #include "dkp_slam/error.h"
@@ -49,11 +49,8 @@ struct EvalArguments {
 void write_output(const std::string& name, const std::string& content) {
   if (name != standard_output) {
     write_file_atomically(name, content);
-    return;
-  }
-  if (std::fwrite(content.data(), 1, content.size(), stdout) != content.size() ||
-      std::fflush(stdout) != 0) {
-    throw Error("cannot write to the standard output; give a file name instead");
+  } else {
+    print_text(content, "give a file name instead");
   }
 }
 

@@ -1,6 +1,6 @@
 #include "dkp_slam/feature/descriptor.h"
 
-#include "dkp_slam/feature/popcount.h"
+#include "dkp_slam/cpu.h"
 
 namespace dkp_slam {
 namespace {

@@ -1,5 +1,8 @@
 #include "dkp_slam/localization/place_bucket.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <map>
 #include <random>
 

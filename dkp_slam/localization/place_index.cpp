@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "dkp_slam/feature/popcount.h"
+#include "dkp_slam/cpu.h"
 #include "dkp_slam/map/id_map.h"
 
 namespace dkp_slam {

@@ -10,6 +10,8 @@
 #endif
 #include <opencv2/core/hal/intrin.hpp>
 
+#include "dkp_slam/cpu.h"
+
 namespace dkp_slam::png {
 namespace {
 
@@ -118,8 +120,7 @@ struct PaethRows {
 
 /// Pixels of the four rows, a row's after the one above it in the next lane; `prior` is above the
 /// first. Returns those of rows 0 and 1 in the lower 64 bits, of 2 and 3 in the bits from 128 on.
-__attribute__((target("avx2"))) inline __m256i paeth_step(PaethRows& rows, __m128i input,
-                                                          unsigned prior) {
+DKP_SLAM_AVX2 inline __m256i paeth_step(PaethRows& rows, __m128i input, unsigned prior) {
   const __m256i above = _mm256_permute4x64_epi64(rows.left, _MM_SHUFFLE(2, 1, 0, 0));
   const __m128i first = _mm_cvtepu8_epi16(_mm_cvtsi32_si128(static_cast<int>(prior)));
   const __m256i b = _mm256_blend_epi32(above, _mm256_castsi128_si256(first), 0b11);
@@ -138,10 +139,9 @@ __attribute__((target("avx2"))) inline __m256i paeth_step(PaethRows& rows, __m12
 }
 
 template <int pixel_bytes>
-__attribute__((target("avx2"))) void unfilter_paeth_four(const uint8_t* in, std::size_t in_stride,
-                                                         const uint8_t* prior, uint8_t* out,
-                                                         std::size_t out_stride,
-                                                         std::size_t pixels) {
+DKP_SLAM_AVX2 void unfilter_paeth_four(const uint8_t* in, std::size_t in_stride,
+                                       const uint8_t* prior, uint8_t* out, std::size_t out_stride,
+                                       std::size_t pixels) {
   PaethRows rows{_mm256_setzero_si256(), _mm256_setzero_si256()};
   constexpr std::size_t lag = 3;  // of the last row behind the first
   for (std::size_t x = 0; x < pixels + lag; ++x) {
@@ -168,15 +168,6 @@ __attribute__((target("avx2"))) void unfilter_paeth_four(const uint8_t* in, std:
 }
 #endif
 
-bool have_avx2() {
-#if defined(__x86_64__)
-  static const bool have = __builtin_cpu_supports("avx2") != 0;
-  return have;
-#else
-  return false;
-#endif
-}
-
 /// How many rows from `in` on are Paeth's, `most` at most.
 int paeth_rows(const uint8_t* in, std::size_t stride, int most) {
   int rows = 0;
@@ -184,32 +175,41 @@ int paeth_rows(const uint8_t* in, std::size_t stride, int most) {
   return rows;
 }
 
+/// Undoes the first of `left` rows, and those after it that can be undone with it; returns how
+/// many.
+template <int pixel_bytes>
+int unfilter_rows(const uint8_t* in, const uint8_t* prior, uint8_t* out, int left,
+                  std::size_t row_bytes) {
+  const std::size_t in_stride = row_bytes + 1, out_stride = row_bytes + row_padding;
+  const std::size_t pixels = row_bytes / pixel_bytes;
+  const int alike = paeth_rows(in, in_stride, std::min(4, left));
+#if defined(__x86_64__)
+  if (alike == 4 && have_avx2()) {
+    unfilter_paeth_four<pixel_bytes>(in + 1, in_stride, prior, out, out_stride, pixels);
+    return 4;
+  }
+#endif
+  if (alike >= 2) {
+    unfilter_paeth_pair<pixel_bytes>(in + 1, in + in_stride + 1, prior, out, out + out_stride,
+                                     pixels);
+    return 2;
+  }
+  unfilter_row<pixel_bytes>(static_cast<Filter>(in[0]), in + 1, prior, out, row_bytes);
+  return 1;
+}
+
+/// All rows; false when a row names a filter that does not exist.
 template <int pixel_bytes>
 bool unfilter(const uint8_t* in, uint8_t* out, int height, std::size_t row_bytes) {
   const std::vector<uint8_t> zeros(row_bytes + row_padding, 0);
-  const std::size_t in_stride = row_bytes + 1;
-  const std::size_t out_stride = row_bytes + row_padding;
-  const std::size_t pixels = row_bytes / pixel_bytes;
   const uint8_t* prior = zeros.data();
-  for (int y = 0, rows = 1; y < height; y += rows) {
+  for (int y = 0; y < height;) {
     if (in[0] > paeth) return false;
-    const int alike = paeth_rows(in, in_stride, std::min(4, height - y));
-    rows = 1;
-    if (alike == 4 && have_avx2()) {
-      rows = 4;
-#if defined(__x86_64__)
-      unfilter_paeth_four<pixel_bytes>(in + 1, in_stride, prior, out, out_stride, pixels);
-#endif
-    } else if (alike >= 2) {
-      rows = 2;
-      unfilter_paeth_pair<pixel_bytes>(in + 1, in + in_stride + 1, prior, out, out + out_stride,
-                                       pixels);
-    } else {
-      unfilter_row<pixel_bytes>(static_cast<Filter>(in[0]), in + 1, prior, out, row_bytes);
-    }
-    in += static_cast<std::size_t>(rows) * in_stride;
-    out += static_cast<std::size_t>(rows) * out_stride;
-    prior = out - out_stride;
+    const int rows = unfilter_rows<pixel_bytes>(in, prior, out, height - y, row_bytes);
+    in += static_cast<std::size_t>(rows) * (row_bytes + 1);
+    out += static_cast<std::size_t>(rows) * (row_bytes + row_padding);
+    prior = out - (row_bytes + row_padding);
+    y += rows;
   }
   return true;
 }

@@ -114,7 +114,9 @@ TEST_F(Tracking, FindsItselfNearWhereItWasLost) {
     Frame frame = frame_at(truth, in_time ? 8 : 5 + static_cast<int>(31 * options.longest_carry));
     keep_static(frame, 60);
     ASSERT_EQ(track(frame).localised, in_time);
-    if (in_time) EXPECT_LT(pose_distance(frame.camera_from_world, truth), 2e-3);
+    if (in_time) {
+      EXPECT_LT(pose_distance(frame.camera_from_world, truth), 2e-3);
+    }
   }
 }
 
@@ -131,7 +133,9 @@ TEST_F(Tracking, FindsItselfBehindAMaskThatIsWrong) {
     EXPECT_EQ(found, seen == 200);  // so many do not agree by chance
     const auto back = std::count(frame.is_static.begin(), frame.is_static.end(), 1);
     EXPECT_NEAR(static_cast<double>(back), found ? seen : 0, 0.1 * seen);
-    if (found) EXPECT_LT(pose_distance(frame.camera_from_world, steady(5)), 2e-3);
+    if (found) {
+      EXPECT_LT(pose_distance(frame.camera_from_world, steady(5)), 2e-3);
+    }
   }
 }
 

@@ -7,6 +7,8 @@
 
 #include <opencv2/video/tracking.hpp>
 
+#include "dkp_slam/cpu.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -343,15 +345,12 @@ struct Task {
 void find_baseline(const Task& task, const cv::Range& range) { task.find<Baseline>(range); }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void find_avx2(const Task& task, const cv::Range& range) {
-  task.find<Avx2>(range);
-}
+DKP_SLAM_AVX2 void find_avx2(const Task& task, const cv::Range& range) { task.find<Avx2>(range); }
 #endif
 
 void find_in(const Task& task, const cv::Range& range) {
 #if defined(__x86_64__)
-  static const bool have_avx2 = __builtin_cpu_supports("avx2") != 0;
-  if (have_avx2 && !task.search.baseline) {
+  if (have_avx2() && !task.search.baseline) {
     find_avx2(task, range);
     return;
   }
