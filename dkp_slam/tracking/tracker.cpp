@@ -11,6 +11,17 @@
 #include "dkp_slam/map/id_map.h"
 
 namespace dkp_slam {
+namespace {
+
+int static_with_depth(const Frame& frame) {
+  int count = 0;
+  for (std::size_t i = 0; i < frame.is_static.size(); ++i) {
+    count += frame.is_static[i] && frame.features.depth[i] > 0.0F;
+  }
+  return count;
+}
+
+}  // namespace
 
 Tracker::Tracker(Map& map, const PlaceIndex& places, const MeasurementModel& model,
                  const TrackerOptions& options, bool localize_only, std::uint64_t seed)
@@ -32,6 +43,7 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
     return localize_only_ ? TrackingResult() : initialize(frame);
   }
   if (!localize(frame)) {
+    if (goes_on_elsewhere(frame)) return go_on_in_another_map(frame);
     if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);
     state_ = TrackingState::lost;
     motion_time_ = 0.0;
@@ -88,6 +100,20 @@ bool Tracker::localize(Frame& frame) {
   return true;
 }
 
+/// Whether a frame that can be carried no longer shows enough of a room to go on from there.
+bool Tracker::goes_on_elsewhere(const Frame& frame) const {
+  return !localize_only_ && can_be_carried(frame) &&
+         static_with_depth(frame) >= options_.least_to_go_on;
+}
+
+TrackingResult Tracker::go_on_in_another_map(Frame& frame) {
+  spdlog::warn("frame {}: the map was left {:.1f} s ago, another one is begun", frame.index,
+               frame.timestamp - map_time_);
+  frame.camera_from_world = predicted_motion(frame) * last_.camera_from_world;
+  map_.start_map();
+  return initialize(frame);
+}
+
 TrackingResult Tracker::start_another_map(Frame& frame) {
   if (!lost_since_) lost_since_ = frame.timestamp;
   const double lost = frame.timestamp - *lost_since_;
@@ -101,12 +127,7 @@ TrackingResult Tracker::start_another_map(Frame& frame) {
 }
 
 bool Tracker::can_start(const Frame& frame) const {
-  int with_depth = 0;
-  for (int i = 0; i < frame.features.size(); ++i) {
-    const auto s = static_cast<std::size_t>(i);
-    with_depth += frame.is_static[s] && frame.features.depth[s] > 0.0F;
-  }
-  return with_depth >= options_.least_to_start;
+  return static_with_depth(frame) >= options_.least_to_start;
 }
 
 TrackingResult Tracker::initialize(const Frame& frame) {
@@ -185,10 +206,14 @@ bool Tracker::find_near(Frame& frame, Trust trust) {
   return false;
 }
 
+/// Without a measured motion a pose would be a guess, and a guess is no localisation.
+bool Tracker::can_be_carried(const Frame& frame) const {
+  return state_ == TrackingState::tracking && frame.current_from_previous &&
+         last_.index == frame.index - 1;
+}
+
 bool Tracker::carry_by_motion(Frame& frame) {
-  // Without a measured motion a pose would be a guess, and a guess is no localisation.
-  if (!frame.current_from_previous || last_.index != frame.index - 1) return false;
-  if (state_ != TrackingState::tracking) return false;
+  if (!can_be_carried(frame)) return false;
   if (frame.timestamp - map_time_ > options_.longest_carry) return false;
   frame.camera_from_world = predicted_motion(frame) * last_.camera_from_world;
   frame.reference_keyframe = last_.reference_keyframe;

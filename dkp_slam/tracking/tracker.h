@@ -47,6 +47,9 @@ struct TrackerOptions {
   /// before, if that was this long ago at most since the map was last seen, seconds: the time that
   /// somebody takes to walk past the camera. Beyond, drift would pass for localisation.
   double longest_carry = 1.0;
+  /// Where the camera was carried that long and so many static features with depth are in view, a
+  /// room that the map does not know, another map goes on from there at once.
+  int least_to_go_on = 300;
   /// Constant velocity is assumed no longer than this since the map was last seen, seconds.
   double longest_steady = 0.15;
   /// Another map is begun when no frame has been localised for this long, seconds. Sooner, and a
@@ -116,6 +119,8 @@ class Tracker {
   bool can_start(const Frame& frame) const;
   TrackingResult initialize(const Frame& frame);
   bool localize(Frame& frame);
+  bool goes_on_elsewhere(const Frame& frame) const;
+  TrackingResult go_on_in_another_map(Frame& frame);
   TrackingResult start_another_map(Frame& frame);
   bool track_by_motion(Frame& frame);
   bool track_reference_keyframe(Frame& frame);
@@ -127,6 +132,7 @@ class Tracker {
   /// Near where the map was last seen, by the motions that were measured since; with `Trust::map`
   /// also by features that masks hide: a mask may be wrong.
   bool find_near(Frame& frame, Trust trust);
+  bool can_be_carried(const Frame& frame) const;
   bool carry_by_motion(Frame& frame);
   Se3 predicted_motion(const Frame& frame) const;
   bool view_is_left() const;

@@ -27,6 +27,8 @@ void TrackerOptions::describe(OptionList& list) {
   list.add("left_least", left_least, at_least(0), "", "landmarks that the most must have been");
   list.add("longest_carry", longest_carry, at_least(0), "seconds",
            "without the map in which a frame is placed by its measured motion");
+  list.add("least_to_go_on", least_to_go_on, at_least(3), "",
+           "static features with depth; with so many another map is begun where that time ends");
   list.add("longest_steady", longest_steady, at_least(0), "seconds",
            "without the map in which constant velocity is assumed");
   list.add("longest_loss", longest_loss, at_least(0), "seconds",

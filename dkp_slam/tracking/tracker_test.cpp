@@ -260,6 +260,25 @@ TEST_F(Tracking, BeginsAnotherMapWhenLostForTooLong) {
   EXPECT_EQ(tracker().state(), TrackingState::tracking);
 }
 
+TEST_F(Tracking, GoesOnInAnotherMapWhereItWasCarriedOutOfTheFirst) {
+  options.least_to_go_on = 250;
+  const int longest = static_cast<int>(options.longest_carry * 30.0);
+  for (const int seen : {240, 260}) {
+    follow(0, 5);
+    for (int i = 5; i <= 5 + longest; ++i) {
+      Frame frame = covered(i);  // by what is no room, or by a room that it has never seen
+      if (i == 5 + longest) keep_static(frame, seen);
+      const TrackingResult result = track(frame);
+      const bool last = i == 5 + longest;
+      ASSERT_EQ(result.localised, !last || seen == 260) << i;
+      EXPECT_EQ(result.keyframe_due, last && seen == 260);
+      if (result.localised) EXPECT_LT(pose_distance(frame.camera_from_world, steady(i)), 0.01);
+    }
+    EXPECT_EQ(map.maps(), seen == 260 ? 2 : 1);
+    made_.reset();
+  }
+}
+
 TEST_F(Tracking, FindsItsPlaceAgainWithinThatTimeAndBeginsNoMap) {
   follow(0, 3);
   for (int i = 3; i < 20; ++i) {
