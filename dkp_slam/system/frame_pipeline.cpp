@@ -10,8 +10,6 @@
 namespace dkp_slam {
 namespace {
 
-constexpr std::size_t line_capacity = 2;  // frames between two stages: evens out, keeps memory low
-
 /// Live the detector looks at no more images than a 30 Hz camera gives: with a faster one it would
 /// take all of a core, and objects are carried from one look to the next all the same.
 constexpr double least_look_ms = 30.0;
@@ -41,8 +39,8 @@ FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOption
       detector_(std::move(detector)),
       detecting_(detector_ != nullptr),
       startle_(startling),
-      incoming_(live ? 1 : line_capacity),
-      extracted_(live ? 1 : line_capacity),
+      incoming_(line_capacity),
+      extracted_(line_capacity),
       detected_(line_capacity),
       newest_frame_(1),
       newest_detections_(1) {

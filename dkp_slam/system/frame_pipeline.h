@@ -30,10 +30,17 @@ struct PreparedFrame {
   bool startling = false;                     ///< live: what was seen before may not hold any more
 };
 
+/// Frames between two stages. More would even out little and hold 2.5 MB each at 640 x 480.
+inline constexpr int line_capacity = 1;
+
+/// Frames that come in while the detector does not answer, offline: in the lines before it and in
+/// the two stages.
+inline constexpr int room_before_answer = 2 * line_capacity + 2;
+
 /// Feature extraction and detection, each in its own thread, between whoever feeds frames and the
 /// tracker.
 ///
-/// Offline the stages form a line (features, detections) through queues of two frames, so every
+/// Offline the stages form a line (features, detections) through queues of one frame, so every
 /// frame gets its own detections and the result does not depend on timing. Live the detector works
 /// beside the line, on the newest frame, and frames that come too fast are dropped, the oldest
 /// first. A frame into which somebody may have stepped (the first, after a gap, or much has come

@@ -43,14 +43,33 @@ void ask_for_delivery() {
   if (Py_AddPendingCall(deliver_when_called, nullptr) != 0) box.call_pending = false;
 }
 
+int raise(void* exception) {
+  PyErr_SetObject(PyExceptionInstance_Class(exception), static_cast<PyObject*>(exception));
+  Py_DECREF(static_cast<PyObject*>(exception));
+  return -1;
+}
+
+/// Ctrl-C, or what else a program's handler of a signal raises to end it, may come while its log is
+/// written. It is not the log's: the program gets it as soon as this call has ended.
+void pass_on(py::error_already_set& error) {
+  PyObject* const exception = error.value().inc_ref().ptr();
+  if (Py_AddPendingCall(raise, exception) == 0) return;
+  Py_DECREF(exception);
+  error.discard_as_unraisable("the log of dkp_slam");
+}
+
 void log(const std::vector<std::pair<int, std::string>>& lines) {
-  if (lines.empty()) return;
-  try {
-    const py::object logger = py::module_::import("logging").attr("getLogger")("dkp_slam");
-    // As an argument: a '%' in the text is no format.
-    for (const auto& [level, text] : lines) logger.attr("log")(level, "%s", text);
-  } catch (py::error_already_set& error) {
-    error.discard_as_unraisable("the log of dkp_slam");
+  for (const auto& [level, text] : lines) {
+    try {
+      const py::object logger = py::module_::import("logging").attr("getLogger")("dkp_slam");
+      logger.attr("log")(level, "%s", text);  // an argument: a '%' in the text is no format
+    } catch (py::error_already_set& error) {
+      if (!error.matches(PyExc_Exception)) {
+        pass_on(error);
+      } else {
+        error.discard_as_unraisable("the log of dkp_slam");
+      }
+    }
   }
 }
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/system/frame_pipeline.h"
 #include "python/src/mailbox.h"
 
 namespace dkp_slam::python {
@@ -19,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 
 /// Frames under way that leave the system room for one more, so that `Slam::feed` never waits for a
 /// detector: that may be Python's, and waits for whoever feeds to let go of the GIL.
-constexpr int most_under_way = 5;
+constexpr int most_under_way = room_before_answer - 1;
 constexpr std::size_t most_results = 18000;  // as the system keeps
 
 /// All that are open. Touched with the GIL only.
@@ -124,7 +125,7 @@ bool Session::wait_until(const std::function<bool()>& done, std::optional<double
     }
     deliver();
     if (fulfilled) return true;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (Py_MakePendingCalls() != 0) throw py::error_already_set();
   }
 }
 

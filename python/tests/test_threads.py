@@ -136,6 +136,42 @@ def test_ctrl_c_ends_waiting(small_camera, noise, call):
     slam.close()
 
 
+class Stop(BaseException):
+    """What a program's own handler of a signal raises."""
+
+
+@pytest.mark.parametrize("number, raised",
+                         [(signal.SIGINT, KeyboardInterrupt), (signal.SIGUSR1, Stop)])
+def test_what_comes_while_the_log_is_written_ends_the_program(small_camera, noise, number, raised):
+    """As Ctrl-C in a handler of `logging`: the call that hands over the log lines passes it on."""
+    class Interrupted(logging.Handler):
+        def emit(self, record):
+            logger.removeHandler(self)
+            signal.raise_signal(number)
+
+    def stop(*_):
+        raise Stop
+
+    def fails(image):
+        raise RuntimeError("told in the log")
+
+    logger = logging.getLogger("dkp_slam")
+    handler = Interrupted()
+    logger.addHandler(handler)
+    before = signal.signal(signal.SIGUSR1, stop)
+    try:
+        with dkp_slam.Slam(dkp_slam.Config(small_camera), fails) as slam:
+            with pytest.raises(raised):
+                slam.feed(*noise(), 0.0)
+                slam.wait()
+                slam.finish()
+            slam.finish()
+            assert slam.counters.answered == 1
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+        logger.removeHandler(handler)
+
+
 def test_wait_gives_up_in_time(small_camera, noise):
     gate = Gate()
     slam = dkp_slam.Slam(dkp_slam.Config(small_camera), gate)
