@@ -347,6 +347,10 @@ void run(RunOptions options) {
   for (const ClosedLoop& l : slam.loops())
     (l.joined_maps ? result.maps_joined : result.loops_closed)++;
   result.absolute_error = error_against_truth(options, result.trajectory);
+  result.readout = check_readout(slam.map(), config.measurement, result.trajectory);
+  if (const auto warning = readout_warning(result.readout, config.camera); !warning.empty()) {
+    spdlog::warn(warning);
+  }
   result.medians = log.medians();
   save_run(result, log, options.out);
   observers.path->remove();

@@ -93,6 +93,10 @@ nlohmann::ordered_json summary_json(const RunResult& result) {
     json["ate"] = {{"poses", result.absolute_error->count},
                    {"rmse_m", rounded(result.absolute_error->rmse, 1e6)}};
   }
+  if (result.readout.groups > 0) {
+    json["readout_check"] = {{"change_ms", rounded(1000.0 * result.readout.change, 100.0)},
+                             {"sigma_ms", rounded(1000.0 * result.readout.sigma, 100.0)}};
+  }
   nlohmann::ordered_json medians;
   for (const StageMedian& m : result.medians) medians[m.stage] = rounded(m.ms, 1000.0);
   json["median_ms"] = medians;

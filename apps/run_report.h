@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/run_log.h"
+#include "dkp_slam/calibration/readout_check.h"
 #include "dkp_slam/evaluation/statistics.h"
 #include "dkp_slam/geometry/stamped_pose.h"
 #include "dkp_slam/system/frame_result.h"
@@ -45,6 +46,7 @@ struct RunResult {
   std::string detector;            ///< "none", or the name of the one that was chosen
   nlohmann::ordered_json options;  ///< what the user asked for and what was chosen for him
   nlohmann::ordered_json config;   ///< all options of the run, see config_json
+  ReadoutCheck readout;
   /// Of the trajectory, metres, where the sequence brings its true path.
   std::optional<ErrorStatistics> absolute_error;
 };
