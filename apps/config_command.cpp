@@ -1,8 +1,8 @@
-#include <cstdio>
 #include <memory>
 
 #include "apps/commands.h"
 #include "apps/config_options.h"
+#include "apps/print_text.h"
 
 namespace dkp_slam::apps {
 
@@ -12,8 +12,7 @@ void add_config_command(CLI::App& program) {
       "config", "Print the configuration with unit and meaning of each option, as YAML.");
   add_config_options(*command, *options);
   command->callback([options] {
-    std::fputs(config_text(make_config(*options)).c_str(), stdout);
-    std::fflush(stdout);
+    print_text(config_text(make_config(*options)), "send it to a file on a disk that has room");
   });
 }
 

@@ -68,6 +68,16 @@ TEST_F(OddStart, MessagesThatCannotBeWrittenEndNothing) {
   expect_whole_run();
 }
 
+TEST_F(OddStart, WhatWasAskedForAndCannotBeWrittenIsAFailure) {
+  const fs::path err = folder_ / "err";
+  for (const char* command : {"config", "help robot", "completion bash", "man"}) {
+    const std::string line = fmt::format("HOME='{}' '{}' {} >/dev/full 2>'{}'", folder_.string(),
+                                         DKP_SLAM_PROGRAM, command, err.string());
+    EXPECT_EQ(bash(line), 1) << command;
+    EXPECT_THAT(content(err), HasSubstr("cannot write to the standard output")) << command;
+  }
+}
+
 TEST_F(OddStart, ClosedDescriptorsTakeNoMessageIntoAFile) {
   const WallSequence sequence(folder_ / "sequence", frame_count);
   for (const char* closed : {"2>&-", ">&-", "<&- >&- 2>&-"}) {
