@@ -161,8 +161,13 @@ TEST_F(KinectCommand, RunFindsThePathLive) {
   EXPECT_EQ(program.wait(), 1);
   EXPECT_THAT(program.err(), HasSubstr("no image came for 0.5 s (--reconnect)"));
   const Trajectory path = read_trajectory(out / "trajectory.txt");
-  // In real time, so that a busy machine drops some.
-  EXPECT_GT(path.size(), static_cast<std::size_t>(frames) / 2);
+  // In real time, so that a busy machine drops some, and a sanitizer most.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr std::size_t least = frames / 6;
+#else
+  constexpr std::size_t least = frames / 2;
+#endif
+  EXPECT_GT(path.size(), least);
   EXPECT_LT(error_of(path, frames), 0.02);
 }
 

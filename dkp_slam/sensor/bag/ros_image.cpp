@@ -147,11 +147,8 @@ cv::Mat depth_of(const RosImage& image, double units_per_metre) {
   }
   const bool foreign = image.big_endian != (std::endian::native == std::endian::big);
   if (image.encoding == "16UC1" || image.encoding == "mono16") {
-    cv::Mat raw = pixels_of(image, CV_16UC1);
-    if (foreign) {
-      raw = raw.clone();
-      swap_bytes(raw);
-    }
+    cv::Mat raw = pixels_of(image, CV_16UC1).clone();  // a message's pixels lie at any address
+    if (foreign) swap_bytes(raw);
     return depth_in_metres(raw, units_per_metre, 0.0, std::numeric_limits<float>::max());
   }
   if (image.encoding == "32FC1" && !foreign) {

@@ -96,6 +96,18 @@ TEST(RosImage, ReadsDepth) {
   EXPECT_EQ(of_floats.at<float>(0, 1), 0.0F);
 }
 
+/// As in a message, which begins anywhere.
+TEST(RosImage, ReadsDepthAtAnyAddress) {
+  const Bytes bytes{0, 0, 0, 0, 0xDC, 0x05, 0xD0, 0x07, 0, 0, 0};
+  for (const std::size_t shift : {0U, 1U, 2U, 3U}) {
+    Bytes moved(bytes.begin() + 4 - static_cast<std::ptrdiff_t>(shift), bytes.end());
+    RosImage image = two_pixels("16UC1", {0, 0, 0, 0});
+    image.data = std::span<const std::uint8_t>(moved).subspan(shift, 4);
+    EXPECT_FLOAT_EQ(depth_of(image, 1000.0).at<float>(0, 0), 1.5F);
+    EXPECT_FLOAT_EQ(depth_of(image, 1000.0).at<float>(0, 1), 2.0F);
+  }
+}
+
 TEST(RosImage, ReadsCompressedImages) {
   cv::Mat colour(16, 16, CV_8UC3, cv::Scalar(10, 20, 30));
   Bytes png;
