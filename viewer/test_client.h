@@ -107,6 +107,7 @@ std::vector<T> section_of(const std::string& container, const std::string& name)
   const std::size_t start = (sizeof(length) + length + 7) / 8 * 8;
   const nlohmann::json where = head_of(container).at("sections").at(name);
   std::vector<T> values(where[1].get<std::size_t>() / sizeof(T));
+  if (values.empty()) return values;  // which has no address
   std::memcpy(values.data(), container.data() + start + where[0].get<std::size_t>(),
               values.size() * sizeof(T));
   return values;
