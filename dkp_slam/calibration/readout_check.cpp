@@ -12,6 +12,7 @@
 
 #include "dkp_slam/geometry/rolling_shutter.h"
 #include "dkp_slam/localization/pose_refinement.h"
+#include "dkp_slam/optimization/nearest_depth.h"
 
 namespace dkp_slam {
 namespace {
@@ -159,7 +160,7 @@ class Group {
     const Keyframe& keyframe = map_.keyframe(k.id);
     const Observation o = observation_of(keyframe.features, seen.feature, map_, model_);
     const Eigen::Vector3d p = keyframe.camera_from_world * point;
-    const double z = std::max(p.z(), 0.05);  // metres: never behind the camera
+    const double z = std::max(p.z(), nearest_depth);  // never behind the camera
     const Eigen::Vector2d pixels = (camera_.project({p.x(), p.y(), z}) - o.pixel) / o.pixel_sigma;
     const double depth_scale = o.depth > 0.0 ? 1.0 / model_.depth_sigma(camera_, o.depth) : 0.0;
     const double depth = depth_scale * (p.z() - o.depth);
@@ -173,9 +174,7 @@ class Group {
     by_camera_point(2, 2) = depth_weight * depth_scale;
     Eigen::Matrix<double, 3, 6> by_pose;  // of the left perturbation: translation, rotation
     by_pose.leftCols<3>() = by_camera_point;
-    Eigen::Matrix3d cross;
-    cross << 0.0, -p.z(), p.y(), p.z(), 0.0, -p.x(), -p.y(), p.x(), 0.0;
-    by_pose.rightCols<3>() = -by_camera_point * cross;
+    by_pose.rightCols<3>() = -by_camera_point * skew(p);
     error.segment<3>(row) << pixel_weight * pixels, depth_weight * depth;
     by_rest.block<3, 6>(row, column) = by_pose;
     const auto f = static_cast<std::size_t>(seen.feature);

@@ -30,12 +30,7 @@ Mapped mapped(const World& world, double readout) {
   Mapped out{Map(camera, 1.2F, 8), {}};
   std::mt19937 random(world.seed);
   std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 200; ++i) {
-    const double z = 2.0 + uniform(random);
-    points.emplace_back(0.7 * z * uniform(random), 0.5 * z * uniform(random), z);
-  }
+  const std::vector<Eigen::Vector3d> points = testing::scattered_points(random);
   std::vector<int> landmarks(points.size(), -1);
   for (int i = 0; i < world.frames; ++i) {
     const double time = 100.0 + i / frame_rate;

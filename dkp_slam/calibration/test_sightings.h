@@ -52,17 +52,23 @@ inline Eigen::Vector2d seen_pixel(const World& world, const Camera& camera,
   return pixel;
 }
 
-/// Exact sightings of points in space with noise. The path is given as the true one, with errors.
-inline std::vector<SightedFrame> frames_of(const World& world) {
-  const Camera camera = camera_of(world);
-  std::mt19937 random(world.seed);
-  std::normal_distribution<double> normal;
+/// Points in space before the camera.
+inline std::vector<Eigen::Vector3d> scattered_points(std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 200; ++i) {
     const double z = 2.0 + uniform(random);
     points.emplace_back(0.7 * z * uniform(random), 0.5 * z * uniform(random), z);
   }
+  return points;
+}
+
+/// Exact sightings of points in space with noise. The path is given as the true one, with errors.
+inline std::vector<SightedFrame> frames_of(const World& world) {
+  const Camera camera = camera_of(world);
+  std::mt19937 random(world.seed);
+  std::normal_distribution<double> normal;
+  const std::vector<Eigen::Vector3d> points = scattered_points(random);
   std::vector<SightedFrame> frames;
   for (int i = 0; i < world.frames; ++i) {
     SightedFrame frame;
