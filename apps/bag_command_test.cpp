@@ -8,9 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
-#include "dkp_slam/map_file/test_folder.h"
 #include "dkp_slam/sensor/bag/test_bag.h"
 #include "dkp_slam/sensor/tum_source.h"
 
@@ -18,7 +17,6 @@ namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
-using dkp_slam::testing::Program;
 using dkp_slam::testing::TestBag;
 using dkp_slam::testing::WallSequence;
 using ::testing::AllOf;
@@ -27,10 +25,10 @@ using ::testing::HasSubstr;
 constexpr int frame_count = 12;
 
 /// The program, given a bag.
-class BagCommand : public testing::FolderTest {
+class BagCommand : public testing::CommandTest {
  protected:
   void SetUp() override {
-    FolderTest::SetUp();
+    CommandTest::SetUp();
     sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", frame_count);
   }
   std::string bag() const { return folder_ / "wall.bag"; }
@@ -46,26 +44,19 @@ class BagCommand : public testing::FolderTest {
       out.image("/camera/depth/image", frame->timestamp, millimetres, depth_encoding);
     }
   }
-  int program(std::vector<std::string> arguments) {
-    const Program started(folder_, std::move(arguments), {"HOME=" + folder_.string()});
-    const int code = started.wait();
-    err_ = started.err();
-    out_ = started.out();
-    return code;
-  }
 
   std::unique_ptr<WallSequence> sequence_;
-  std::string out_, err_;
 };
 
 TEST_F(BagCommand, RunFindsTheSamePathAsInTheFolder) {
   write_bag();
   const auto path_of = [&](const std::string& sequence, const fs::path& out) {
-    EXPECT_EQ(program({"run", sequence, "--mode", "off", "--out", out}), 0) << err_;
+    EXPECT_EQ(call({"run", sequence, "--mode", "off", "--out", out}), 0) << stderr_;
     return read_trajectory(out / "trajectory.txt");
   };
   const Trajectory of_bag = path_of(bag(), folder_ / "of_bag");
-  EXPECT_THAT(err_, AllOf(HasSubstr("/camera/rgb/image_color"), HasSubstr("/camera/depth/image")));
+  EXPECT_THAT(stderr_,
+              AllOf(HasSubstr("/camera/rgb/image_color"), HasSubstr("/camera/depth/image")));
   const Trajectory of_folder = path_of(sequence_->folder(), folder_ / "of_folder");
   ASSERT_EQ(of_bag.size(), static_cast<std::size_t>(frame_count));
   ASSERT_EQ(of_folder.size(), of_bag.size());
@@ -78,11 +69,11 @@ TEST_F(BagCommand, RunFindsTheSamePathAsInTheFolder) {
 
 TEST_F(BagCommand, RecordMakesAFolderOfIt) {
   write_bag();
-  ASSERT_EQ(program({"record", bag(), "--out", folder_ / "copy", "--topics",
-                     "/camera/rgb/image_color,/camera/depth/image"}),
+  ASSERT_EQ(call({"record", bag(), "--out", folder_ / "copy", "--topics",
+                  "/camera/rgb/image_color,/camera/depth/image"}),
             0)
-      << err_;
-  EXPECT_THAT(out_, HasSubstr(fmt::format("{} frames in ", frame_count)));
+      << stderr_;
+  EXPECT_THAT(stdout_, HasSubstr(fmt::format("{} frames in ", frame_count)));
   const auto copy = open_tum_folder(folder_ / "copy", load_camera(folder_ / "copy/camera.yaml"));
   const auto original = open_tum_folder(sequence_->folder(), sequence_->camera);
   for (int i = 0; i < frame_count; ++i) {
@@ -97,19 +88,19 @@ TEST_F(BagCommand, RecordMakesAFolderOfIt) {
 TEST_F(BagCommand, TheDenseMapIsMadeOfItToo) {
   write_bag();
   const fs::path out = folder_ / "out", cloud = folder_ / "cloud.ply";
-  ASSERT_EQ(program({"run", bag(), "--mode", "off", "--save-masks", "--out", out, "--topics",
-                     "/camera/rgb/image_color,/camera/depth/image"}),
+  ASSERT_EQ(call({"run", bag(), "--mode", "off", "--save-masks", "--out", out, "--topics",
+                  "/camera/rgb/image_color,/camera/depth/image"}),
             0)
-      << err_;
+      << stderr_;
   // Topics and camera are those of the run.
-  ASSERT_EQ(program({"export", out, "--dense", cloud, "--voxel", "0.04"}), 0) << err_;
-  EXPECT_THAT(out_, HasSubstr(fmt::format("{} images fused", frame_count)));
+  ASSERT_EQ(call({"export", out, "--dense", cloud, "--voxel", "0.04"}), 0) << stderr_;
+  EXPECT_THAT(stdout_, HasSubstr(fmt::format("{} images fused", frame_count)));
   EXPECT_GT(fs::file_size(cloud), 50'000U);
-  EXPECT_EQ(program({"export", out, "--dense", cloud, "--masks", folder_}), 1);
-  EXPECT_THAT(err_, HasSubstr("--masks needs images with names"));
+  EXPECT_EQ(call({"export", out, "--dense", cloud, "--masks", folder_}), 1);
+  EXPECT_THAT(stderr_, HasSubstr("--masks needs images with names"));
   fs::remove(bag());
-  EXPECT_EQ(program({"export", out, "--dense", cloud}), 1);
-  EXPECT_THAT(err_, HasSubstr("wall.bag: no such folder or bag"));
+  EXPECT_EQ(call({"export", out, "--dense", cloud}), 1);
+  EXPECT_THAT(stderr_, HasSubstr("wall.bag: no such folder or bag"));
 }
 
 TEST_F(BagCommand, WhatIsWrongIsOneLineAndLeavesNothing) {
@@ -118,8 +109,8 @@ TEST_F(BagCommand, WhatIsWrongIsOneLineAndLeavesNothing) {
                                   const std::string& reason) {
     std::vector<std::string> arguments{"run", bag(), "--mode", "off", "--out", out};
     arguments.insert(arguments.end(), options.begin(), options.end());
-    EXPECT_EQ(program(arguments), code) << reason;
-    EXPECT_THAT(err_, HasSubstr(reason));
+    EXPECT_EQ(call(arguments), code) << reason;
+    EXPECT_THAT(stderr_, HasSubstr(reason));
     EXPECT_FALSE(fs::exists(out)) << reason;
   };
   expect_refusal({}, 1, "wall.bag: no such file");

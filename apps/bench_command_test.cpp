@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/bench/plan.h"
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
@@ -33,32 +33,17 @@ using ::testing::HasSubstr;
 constexpr int frame_count = 8;
 
 /// Runs the program itself, as a user does, on small exact sequences.
-class BenchCommand : public ::testing::Test {
+class BenchCommand : public testing::CommandTest {
  protected:
   void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / (std::string("bench_command_") + info->name());
-    fs::remove_all(folder_);
+    CommandTest::SetUp();
     const WallSequence made(wall(), frame_count);
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   fs::path wall() const { return folder_ / "wall"; }
   fs::path out(const std::string& name = "out") const { return folder_ / name; }
 
-  Program start(const std::vector<std::string>& arguments) const {
-    std::vector<std::string> all{"bench"};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    // No weights of the user's: what runs must not depend on them.
-    return Program(folder_, all, {"HOME=" + folder_.string()});
-  }
-  int bench(const std::vector<std::string>& arguments) {
-    const Program program = start(arguments);
-    const int code = program.wait();
-    stdout_ = program.out();
-    stderr_ = program.err();
-    return code;
-  }
+  int bench(const std::vector<std::string>& arguments) { return call({"bench"}, arguments); }
   std::vector<std::string> small(const std::string& name, int repeat = 2) const {
     return {
         wall(),  "--modes", "off,dkp+", "--detector", "none", "--repeat", std::to_string(repeat),
@@ -86,9 +71,6 @@ class BenchCommand : public ::testing::Test {
       EXPECT_EQ(std::count(stderr_.begin(), stderr_.end(), '\n'), 1) << stderr_;
     }
   }
-
-  fs::path folder_;
-  std::string stdout_, stderr_;
 };
 
 TEST_F(BenchCommand, EachRunIsALineWithItsFiguresAndTheReportShowsThem) {
@@ -205,6 +187,7 @@ TEST_F(BenchCommand, ResultsOfDifferentProgramsAreNotMergedUnlessTold) {
 
 TEST_F(BenchCommand, CtrlCKeepsWhatThereIsAndTheSameCommandGoesOn) {
   std::vector<std::string> arguments = small("out", 20);
+  arguments.insert(arguments.begin(), "bench");
   arguments.insert(arguments.end(), {"--jobs", "2"});
   const Program program = start(arguments);
   // Until the first result is there, however slow a sanitizer makes it.

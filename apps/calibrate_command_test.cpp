@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
 
 namespace dkp_slam {
@@ -13,35 +13,19 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-using testing::Program;
 using testing::WallSequence;
 
-class CalibrateCommand : public ::testing::Test {
+class CalibrateCommand : public testing::CommandTest {
  protected:
-  CalibrateCommand() { fs::create_directories(folder_); }
-  ~CalibrateCommand() override { fs::remove_all(folder_); }
-
-  /// Exit code; `err_` holds what was said.
-  int run(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), "calibrate");
-    const Program program(folder_, arguments, {});
-    const int code = program.wait();
-    err_ = program.err();
-    return code;
-  }
+  int run(const std::vector<std::string>& arguments) { return call({"calibrate"}, arguments); }
   std::string path(const std::string& name) const { return folder_ / name; }
-
-  const fs::path folder_ =
-      fs::path(::testing::TempDir()) /
-      (std::string("calibrate_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-  std::string err_;
 };
 
 /// It glides along a wall evenly: every row sees the same, only later.
 TEST_F(CalibrateCommand, RefusesAMotionThatTellsNothing) {
   const WallSequence wall(path("wall"), 60);
   EXPECT_EQ(run({path("wall"), "--out", path("found.yaml")}), 1);
-  EXPECT_THAT(err_, HasSubstr("too even"));
+  EXPECT_THAT(stderr_, HasSubstr("too even"));
   EXPECT_FALSE(fs::exists(path("found.yaml")));
 }
 
@@ -55,31 +39,31 @@ TEST_F(CalibrateCommand, RefusesACameraThatStandsStill) {
   rgb.close();
   depth.close();
   EXPECT_EQ(run({path("wall"), "--out", path("found.yaml")}), 1);
-  EXPECT_THAT(err_, HasSubstr("hardly moves"));
+  EXPECT_THAT(stderr_, HasSubstr("hardly moves"));
   EXPECT_FALSE(fs::exists(path("found.yaml")));
 }
 
 TEST_F(CalibrateCommand, RefusesWhatIsTooShort) {
   const WallSequence wall(path("wall"), 5);
   EXPECT_EQ(run({path("wall"), "--out", path("found.yaml")}), 1);
-  EXPECT_THAT(err_, HasSubstr("too little was seen"));
+  EXPECT_THAT(stderr_, HasSubstr("too little was seen"));
 }
 
 TEST_F(CalibrateCommand, SaysWhatIsWrongOnTheCommandLine) {
   const WallSequence wall(path("wall"), 1);
   const std::string out = path("found.yaml");
   EXPECT_EQ(run({path("wall")}), 2);
-  EXPECT_THAT(err_, HasSubstr("--out is required"));
+  EXPECT_THAT(stderr_, HasSubstr("--out is required"));
   EXPECT_EQ(run({path("wall"), "--out", out, "--plot", "a.gif"}), 2);
-  EXPECT_THAT(err_, HasSubstr("must end in .svg or .png"));
+  EXPECT_THAT(stderr_, HasSubstr("must end in .svg or .png"));
   EXPECT_EQ(run({path("wall"), "--out", out, "--length", "1,2,3"}), 2);
-  EXPECT_THAT(err_, HasSubstr("must be six numbers"));
+  EXPECT_THAT(stderr_, HasSubstr("must be six numbers"));
   EXPECT_EQ(run({path("wall"), "--out", out, "--length", "1,2,3,4,x,6"}), 2);
-  EXPECT_THAT(err_, HasSubstr("\"x\" is no number"));
+  EXPECT_THAT(stderr_, HasSubstr("\"x\" is no number"));
   EXPECT_EQ(run({path("none"), "--out", out}), 1);
-  EXPECT_THAT(err_, HasSubstr("no such folder"));
+  EXPECT_THAT(stderr_, HasSubstr("no such folder"));
   EXPECT_EQ(run({path("wall"), "--out", path("none/found.yaml")}), 1);
-  EXPECT_THAT(err_, HasSubstr("none"));
+  EXPECT_THAT(stderr_, HasSubstr("none"));
 }
 
 }  // namespace

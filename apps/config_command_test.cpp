@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/config_options.h"
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
 #include "dkp_slam/config/option_list.h"
 #include "dkp_slam/system/slam.h"
@@ -164,60 +164,41 @@ TEST(MakeConfig, TheCommandLineComesAfterTheFile) {
   EXPECT_EQ(config.orb.levels, 4);
 }
 
-class ConfigCommand : public ::testing::Test {
+class ConfigCommand : public testing::CommandTest {
  protected:
-  ConfigCommand()
-      : folder_(fs::path(::testing::TempDir()) /
-                fmt::format("config_command_{}",
-                            ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~ConfigCommand() override { fs::remove_all(folder_); }
-
-  int run(const std::vector<std::string>& arguments) {
-    const dkp_slam::testing::Program program(folder_, arguments, {"HOME=" + folder_.string()});
-    const int code = program.wait();
-    out_ = program.out();
-    error_ = program.err();
-    return code;
-  }
   fs::path file(const std::string& text) const {
     std::ofstream(folder_ / "config.yaml") << text;
     return folder_ / "config.yaml";
   }
-
-  const fs::path folder_;
-  std::string out_, error_;
 };
 
 TEST_F(ConfigCommand, PrintsTheEffectiveConfiguration) {
-  ASSERT_EQ(run({"config"}), 0) << error_;
-  EXPECT_EQ(out_, text_of(DKP_SLAM_CONFIG_DIR "/default.yaml"));
-  ASSERT_EQ(run({"config", "--config", file("mode: dk\ntracking: {local_keyframes: 60}\n"), "--set",
-                 "mode=d", "--set", "orb.features=900"}),
+  ASSERT_EQ(call({"config"}), 0) << stderr_;
+  EXPECT_EQ(stdout_, text_of(DKP_SLAM_CONFIG_DIR "/default.yaml"));
+  ASSERT_EQ(call({"config", "--config", file("mode: dk\ntracking: {local_keyframes: 60}\n"),
+                  "--set", "mode=d", "--set", "orb.features=900"}),
             0)
-      << error_;
-  EXPECT_THAT(out_, HasSubstr("\nmode: d "));
-  EXPECT_THAT(out_, HasSubstr("\n  local_keyframes: 60 "));
-  EXPECT_THAT(out_, HasSubstr("\n  features: 900 "));
+      << stderr_;
+  EXPECT_THAT(stdout_, HasSubstr("\nmode: d "));
+  EXPECT_THAT(stdout_, HasSubstr("\n  local_keyframes: 60 "));
+  EXPECT_THAT(stdout_, HasSubstr("\n  features: 900 "));
 }
 
 TEST_F(ConfigCommand, ABadFileFailsAndABadSetIsMisuse) {
   const fs::path bad = file("tracking:\n  local_keyframes: 0\n");
-  EXPECT_EQ(run({"config", "--config", bad}), 1);
-  EXPECT_EQ(error_,
+  EXPECT_EQ(call({"config", "--config", bad}), 1);
+  EXPECT_EQ(stderr_,
             fmt::format("dkp-slam: {}:2: tracking.local_keyframes is '0'; it must be a whole "
                         "number at least 1\n",
                         bad.string()));
-  EXPECT_EQ(run({"config", "--config", folder_ / "none.yaml"}), 1);
-  EXPECT_EQ(run({"config", "--config", file("orb: {fast_threshold: 5}\n")}), 1);
-  EXPECT_THAT(error_,
+  EXPECT_EQ(call({"config", "--config", folder_ / "none.yaml"}), 1);
+  EXPECT_EQ(call({"config", "--config", file("orb: {fast_threshold: 5}\n")}), 1);
+  EXPECT_THAT(stderr_,
               HasSubstr("orb.fast_low_threshold is 7; it must be at most orb.fast_threshold"));
-  EXPECT_EQ(run({"config", "--set", "tracking.local_keyframe=3"}), 2);
-  EXPECT_THAT(error_, HasSubstr("did you mean tracking.local_keyframes?"));
-  EXPECT_EQ(run({"config", "--set", "orb.levels=x"}), 2);
-  EXPECT_EQ(out_, "");
+  EXPECT_EQ(call({"config", "--set", "tracking.local_keyframe=3"}), 2);
+  EXPECT_THAT(stderr_, HasSubstr("did you mean tracking.local_keyframes?"));
+  EXPECT_EQ(call({"config", "--set", "orb.levels=x"}), 2);
+  EXPECT_EQ(stdout_, "");
 }
 
 TEST_F(ConfigCommand, ARunWritesAllOfItIntoItsSummary) {
@@ -226,7 +207,7 @@ TEST_F(ConfigCommand, ARunWritesAllOfItIntoItsSummary) {
   const std::vector<std::string> command{
       "run",   sequence.folder(),  "--out",  out, "--config", file("mode: off\nseed: 4\n"),
       "--set", "orb.features=700", "--seed", "9"};
-  ASSERT_EQ(run(command), 0) << error_;
+  ASSERT_EQ(call(command), 0) << stderr_;
   const auto json = nlohmann::json::parse(text_of(out / "summary.json"));
   EXPECT_EQ(json.at("options").at("mode"), "off");
   EXPECT_EQ(json.at("options").at("seed"), 9);
@@ -238,15 +219,12 @@ TEST_F(ConfigCommand, ARunWritesAllOfItIntoItsSummary) {
 TEST_F(ConfigCommand, ARunRefusesABadOneBeforeItMakesAFolder) {
   const dkp_slam::testing::WallSequence sequence(folder_ / "sequence", 2);
   const std::vector<std::string> command{"run", sequence.folder(), "--out", folder_ / "out"};
-  const auto with = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), command.begin(), command.end());
-    return run(more);
-  };
+  const auto with = [&](const std::vector<std::string>& more) { return call(command, more); };
   EXPECT_EQ(with({"--set", "tracking.motion_radius=0"}), 2);
   EXPECT_EQ(with({"--set", "localize_only=true"}), 2);
   EXPECT_EQ(with({"--set", "realtime=true", "--one-at-a-time"}), 2);
   EXPECT_EQ(with({"--config", file("")}), 1);
-  EXPECT_THAT(error_, HasSubstr("config.yaml:1: empty"));
+  EXPECT_THAT(stderr_, HasSubstr("config.yaml:1: empty"));
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 

@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "apps/demo/demo.h"
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "dkp_slam/evaluation/report/test_markup.h"
 
 namespace dkp_slam {
@@ -18,32 +18,12 @@ namespace fs = std::filesystem;
 using dkp_slam::testing::charts_of;
 using dkp_slam::testing::content;
 using dkp_slam::testing::MarkupCheck;
-using dkp_slam::testing::Program;
 using ::testing::HasSubstr;
 
-class DemoCommand : public ::testing::Test {
+class DemoCommand : public testing::CommandTest {
  protected:
-  void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / (std::string("demo_command_") + info->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  int demo(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"demo", "--out", out()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const Program program(folder_, arguments, {"HOME=" + folder_.string()});
-    const int code = program.wait();
-    stdout_ = program.out();
-    stderr_ = program.err();
-    return code;
-  }
+  int demo(const std::vector<std::string>& more) { return call({"demo", "--out", out()}, more); }
   fs::path out() const { return folder_ / "out"; }
-
-  fs::path folder_;
-  std::string stdout_, stderr_;
 };
 
 TEST_F(DemoCommand, WritesAPageAndAPictureWithoutAModel) {

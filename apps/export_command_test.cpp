@@ -11,13 +11,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
 #include "dkp_slam/dense/octomap/octomap_file.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/map_file.h"
-#include "dkp_slam/map_file/test_folder.h"
 
 namespace dkp_slam {
 namespace {
@@ -25,25 +24,15 @@ namespace {
 namespace fs = std::filesystem;
 using dkp_slam::testing::content;
 using dkp_slam::testing::GrowingMap;
-using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-class ExportCommand : public testing::FolderTest {
+class ExportCommand : public testing::CommandTest {
  protected:
-  int call(const std::vector<std::string>& arguments) {
-    const Program program(folder_, arguments, {"HOME=" + folder_.string()});
-    const int code = program.wait();
-    stdout_ = program.out();
-    stderr_ = program.err();
-    return code;
-  }
   /// Fails with this exit code and a message that holds `why`.
   void expect_refused(int code, const std::vector<std::string>& arguments, const std::string& why) {
-    std::vector<std::string> all{"export"};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    EXPECT_EQ(call(all), code) << stderr_;
+    EXPECT_EQ(call({"export"}, arguments), code) << stderr_;
     EXPECT_THAT(stderr_, HasSubstr(why));
   }
   fs::path trajectory() const {
@@ -64,14 +53,11 @@ class ExportCommand : public testing::FolderTest {
   fs::path run() const { return folder_ / "run"; }
 
   std::unique_ptr<WallSequence> sequence_;
-  std::string stdout_, stderr_;
 };
 
 TEST_F(ExportCommand, APathInEveryFormat) {
   const auto exported = [&](const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"export", trajectory(), "--out", folder_ / name};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    EXPECT_EQ(call(arguments), 0) << stderr_;
+    EXPECT_EQ(call({"export", trajectory(), "--out", folder_ / name}, more), 0) << stderr_;
     return content(folder_ / name);
   };
   EXPECT_EQ(exported("p.txt", {}), content(trajectory()));

@@ -10,9 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "dkp_slam/dense/octomap/octomap_file.h"
-#include "dkp_slam/map_file/test_folder.h"
 #include "dkp_slam/sensor/bag/bag_source.h"
 #include "dkp_slam/sensor/kinect/kinect_source.h"
 
@@ -21,22 +20,14 @@ namespace {
 
 namespace fs = std::filesystem;
 using dkp_slam::testing::content;
-using dkp_slam::testing::Program;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
 using ::testing::Not;
 
-class HelpCommand : public testing::FolderTest {
+class HelpCommand : public testing::CommandTest {
  protected:
-  int call(const std::vector<std::string>& arguments, const std::string& more = "A=") {
-    const Program program(folder_, arguments, {"HOME=" + folder_.string(), more});
-    const int code = program.wait();
-    stdout_ = program.out();
-    stderr_ = program.err();
-    return code;
-  }
   /// What completion offers a user of bash who has typed these words and presses the tab key.
   std::vector<std::string> offered(const std::vector<std::string>& words) {
     EXPECT_EQ(call({"completion", "bash"}), 0) << stderr_;
@@ -65,8 +56,6 @@ class HelpCommand : public testing::FolderTest {
     }
     return found;
   }
-
-  std::string stdout_, stderr_;
 };
 
 TEST_F(HelpCommand, ListsPagesAndCommandsAndPrintsEach) {
@@ -145,7 +134,8 @@ TEST_F(HelpCommand, TheDoctorTellsWhatIsMissingAndWhatMendsIt) {
   EXPECT_THAT(stdout_, HasSubstr("-- detector   no YOLOX weights"));
   EXPECT_THAT(stdout_, HasSubstr("-> scripts/fetch_model.sh"));
   EXPECT_THAT(stdout_, HasSubstr("images a second"));
-  EXPECT_EQ(call({"doctor"}, "DKP_SLAM_MODEL=/nosuch.onnx"), 1);
+  environment_ = {"DKP_SLAM_MODEL=/nosuch.onnx"};
+  EXPECT_EQ(call({"doctor"}), 1);
   EXPECT_THAT(stdout_,
               HasSubstr("!! detector   no model file '/nosuch.onnx' (from DKP_SLAM_MODEL)"));
   EXPECT_THAT(stderr_, HasSubstr("marked !!"));
@@ -154,7 +144,8 @@ TEST_F(HelpCommand, TheDoctorTellsWhatIsMissingAndWhatMendsIt) {
 TEST_F(HelpCommand, TheDoctorNamesTheDetectorThatRuns) {
   const char* model = std::getenv("DKP_SLAM_MODEL");
   if (model == nullptr || *model == '\0') GTEST_SKIP() << "DKP_SLAM_MODEL names no weights";
-  ASSERT_EQ(call({"doctor"}, std::string("DKP_SLAM_MODEL=") + model), 0) << stderr_;
+  environment_ = {std::string("DKP_SLAM_MODEL=") + model};
+  ASSERT_EQ(call({"doctor"}), 0) << stderr_;
   EXPECT_THAT(stdout_, HasSubstr("ok detector   yolox ("));
   EXPECT_THAT(stdout_, HasSubstr("ms an image"));
 }

@@ -11,9 +11,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "dkp_slam/export/trajectory.h"
-#include "dkp_slam/map_file/test_folder.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/image_reader.h"
 #include "dkp_slam/sensor/tum_source.h"
@@ -33,11 +32,12 @@ constexpr int room_frames = 24;
 constexpr double rate = 30.0;
 
 /// The program with a Kinect: fakenect, the stand-in library that plays a recording to it.
-class KinectCommand : public testing::FolderTest {
+class KinectCommand : public testing::CommandTest {
  protected:
   void SetUp() override {
-    FolderTest::SetUp();
+    CommandTest::SetUp();
     recording_ = folder_ / "recording";
+    environment_ = {"LD_LIBRARY_PATH=" DKP_SLAM_FAKENECT, "FAKENECT_PATH=" + recording_.string()};
     fs::create_directories(recording_);
     save_camera(room().camera, folder_ / "camera.yaml");
     for (int i = 0; i < room_frames; ++i) write_images(i);
@@ -92,12 +92,6 @@ class KinectCommand : public testing::FolderTest {
       add('d', time + 0.004, ticks + 240'000U, folder_ / fmt::format("depth{}", seen_in(i)));
     }
     std::ofstream(recording_ / "INDEX.txt") << index;
-  }
-  Program start(const std::vector<std::string>& arguments) const {
-    return {folder_,
-            arguments,
-            {"HOME=" + folder_.string(), "LD_LIBRARY_PATH=" DKP_SLAM_FAKENECT,
-             "FAKENECT_PATH=" + recording_.string()}};
   }
   /// Every frame of the recording, as it was, at 30 Hz; returns the stamps.
   std::vector<double> expect_frames(const fs::path& out, int frames) const {

@@ -12,9 +12,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "dkp_slam/export/trajectory.h"
-#include "dkp_slam/map_file/test_folder.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/depth_registration.h"
 #include "dkp_slam/sensor/image_reader.h"
@@ -25,7 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using dkp_slam::testing::content;
-using dkp_slam::testing::Program;
 using dkp_slam::testing::Recording;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -54,10 +52,10 @@ std::string intrinsics_text(double fx, double fy, double cx, double cy) {
 }
 
 /// The program, given a generated room as each dataset would have written it.
-class LayoutCommand : public testing::FolderTest {
+class LayoutCommand : public testing::CommandTest {
  protected:
   void SetUp() override {
-    FolderTest::SetUp();
+    CommandTest::SetUp();
     sequence_ = folder_ / "sequence";
     out_ = folder_ / "out";
   }
@@ -89,16 +87,9 @@ class LayoutCommand : public testing::FolderTest {
     fs::create_directories((sequence_ / name).parent_path());
     std::ofstream(sequence_ / name) << lines;
   }
-  int program(std::vector<std::string> arguments) {
-    const Program started(folder_, std::move(arguments), {"HOME=" + folder_.string()});
-    const int code = started.wait();
-    said_ = started.out();
-    err_ = started.err();
-    return code;
-  }
   /// Runs it; the error of the path, metres RMSE.
   double error_of_run(const fs::path& sequence) {
-    EXPECT_EQ(program({"run", sequence, "--mode", "off", "--out", out_}), 0) << err_;
+    EXPECT_EQ(call({"run", sequence, "--mode", "off", "--out", out_}), 0) << stderr_;
     const Trajectory path = read_trajectory(out_ / "trajectory.txt");
     EXPECT_EQ(path.size(), static_cast<std::size_t>(frame_count));
     return absolute_error(truth(), path).statistics.rmse;
@@ -109,26 +100,26 @@ class LayoutCommand : public testing::FolderTest {
     constexpr double most = 0.01;  // metres; measured: .0016 to .0017
     const double error = error_of_run(sequence_);
     EXPECT_LT(error, most);
-    EXPECT_THAT(err_, HasSubstr(fmt::format("{} frames in the layout of {}", frame_count, layout)));
-    EXPECT_THAT(said_, HasSubstr(fmt::format("ATE {:.4f} m (RMSE, {} poses, by the truth of the "
-                                             "sequence)",
-                                             error, frame_count)));
+    EXPECT_THAT(stderr_,
+                HasSubstr(fmt::format("{} frames in the layout of {}", frame_count, layout)));
+    EXPECT_THAT(stdout_, HasSubstr(fmt::format("ATE {:.4f} m (RMSE, {} poses, by the truth of the "
+                                               "sequence)",
+                                               error, frame_count)));
     const fs::path cloud = folder_ / "cloud.ply";
-    ASSERT_EQ(program({"export", out_, "--dense", cloud, "--no-masks", "--voxel", "0.05", "--every",
-                       "6"}),
-              0)
-        << err_;
-    EXPECT_THAT(said_, HasSubstr("4 images fused"));
-    ASSERT_EQ(program({"eval", sequence_, out_ / "trajectory.txt"}), 0) << err_;
-    EXPECT_THAT(said_, HasSubstr(fmt::format("{:.6f}", error)));
-    ASSERT_EQ(program({"record", sequence_, "--out", folder_ / "copy"}), 0) << err_;
+    ASSERT_EQ(
+        call({"export", out_, "--dense", cloud, "--no-masks", "--voxel", "0.05", "--every", "6"}),
+        0)
+        << stderr_;
+    EXPECT_THAT(stdout_, HasSubstr("4 images fused"));
+    ASSERT_EQ(call({"eval", sequence_, out_ / "trajectory.txt"}), 0) << stderr_;
+    EXPECT_THAT(stdout_, HasSubstr(fmt::format("{:.6f}", error)));
+    ASSERT_EQ(call({"record", sequence_, "--out", folder_ / "copy"}), 0) << stderr_;
     EXPECT_TRUE(fs::exists(folder_ / "copy/groundtruth.txt"));
     EXPECT_LT(error_of_run(folder_ / "copy"), most);
-    EXPECT_THAT(said_, HasSubstr("by the truth of the sequence"));
+    EXPECT_THAT(stdout_, HasSubstr("by the truth of the sequence"));
   }
 
   fs::path sequence_, out_;
-  std::string said_, err_;
 };
 
 TEST_F(LayoutCommand, IclNuim) {
@@ -151,11 +142,11 @@ TEST_F(LayoutCommand, IclNuim) {
   expect_right_path("ICL-NUIM");
   // Without that the camera is the published one, whose images have that size, too.
   fs::remove(sequence_ / "camera.yaml");
-  program({"run", sequence_, "--mode", "off", "--out", out_});
-  EXPECT_THAT(err_, HasSubstr("icl_nuim.yaml"));
+  call({"run", sequence_, "--mode", "off", "--out", out_});
+  EXPECT_THAT(stderr_, HasSubstr("icl_nuim.yaml"));
   fs::remove(sequence_ / "livingRoom9.gt.freiburg");
-  EXPECT_EQ(program({"run", sequence_, "--mode", "off", "--out", folder_ / "none"}), 1);
-  EXPECT_THAT(err_, AllOf(HasSubstr("has no camera.yaml"), HasSubstr("icl, 7scenes")));
+  EXPECT_EQ(call({"run", sequence_, "--mode", "off", "--out", folder_ / "none"}), 1);
+  EXPECT_THAT(stderr_, AllOf(HasSubstr("has no camera.yaml"), HasSubstr("icl, 7scenes")));
   EXPECT_FALSE(fs::exists(folder_ / "none"));
 }
 
@@ -181,10 +172,10 @@ TEST_F(LayoutCommand, SevenScenes) {
   expect_right_path("7-Scenes");
   // A pose that is none is said; the run does without the truth.
   text("frame-000001.pose.txt", "1 2 3\n");
-  EXPECT_EQ(program({"run", sequence_, "--mode", "off", "--out", out_}), 0);
-  EXPECT_THAT(err_, HasSubstr("not compared with the truth"));
-  EXPECT_EQ(program({"eval", sequence_, out_ / "trajectory.txt"}), 1);
-  EXPECT_THAT(err_, HasSubstr("frame-000001.pose.txt: has 3 numbers"));
+  EXPECT_EQ(call({"run", sequence_, "--mode", "off", "--out", out_}), 0);
+  EXPECT_THAT(stderr_, HasSubstr("not compared with the truth"));
+  EXPECT_EQ(call({"eval", sequence_, out_ / "trajectory.txt"}), 1);
+  EXPECT_THAT(stderr_, HasSubstr("frame-000001.pose.txt: has 3 numbers"));
 }
 
 TEST_F(LayoutCommand, ScanNet) {
@@ -206,8 +197,8 @@ TEST_F(LayoutCommand, ScanNet) {
   expect_right_path("ScanNet");
   EXPECT_THAT(content(folder_ / "copy/camera.yaml"), HasSubstr("width: 320"));
   fs::remove(sequence_ / "intrinsic/intrinsic_depth.txt");
-  EXPECT_EQ(program({"run", sequence_, "--mode", "off", "--out", folder_ / "none"}), 1);
-  EXPECT_THAT(err_, HasSubstr("no intrinsic/intrinsic_depth.txt"));
+  EXPECT_EQ(call({"run", sequence_, "--mode", "off", "--out", folder_ / "none"}), 1);
+  EXPECT_THAT(stderr_, HasSubstr("no intrinsic/intrinsic_depth.txt"));
   EXPECT_FALSE(fs::exists(folder_ / "none"));
 }
 
@@ -217,11 +208,11 @@ TEST_F(LayoutCommand, TheRateIsTheUsersToSay) {
     image(fmt::format("depth/{}.png", i), depth_in_units(room().frames[0].depth, 5000.0));
   }
   save_camera(room().camera, sequence_ / "camera.yaml");
-  ASSERT_EQ(program({"record", sequence_, "--frame-rate", "10", "--out", out_}), 0) << err_;
+  ASSERT_EQ(call({"record", sequence_, "--frame-rate", "10", "--out", out_}), 0) << stderr_;
   EXPECT_THAT(content(out_ / "associations.txt"), HasSubstr("0.200000 rgb/0.200000.png"));
-  EXPECT_EQ(program({"record", sequence_, "--frame-rate", "0", "--out", folder_ / "other"}), 2);
-  EXPECT_EQ(program({"eval", sequence_, out_ / "trajectory.txt"}), 1);
-  EXPECT_THAT(err_, HasSubstr("this folder brings no true path"));
+  EXPECT_EQ(call({"record", sequence_, "--frame-rate", "0", "--out", folder_ / "other"}), 2);
+  EXPECT_EQ(call({"eval", sequence_, out_ / "trajectory.txt"}), 1);
+  EXPECT_THAT(stderr_, HasSubstr("this folder brings no true path"));
 }
 
 }  // namespace

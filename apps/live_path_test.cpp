@@ -15,11 +15,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
-#include "dkp_slam/map_file/test_folder.h"
 
 namespace dkp_slam {
 namespace {
@@ -33,7 +32,7 @@ using dkp_slam::testing::WallSequence;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
-class LivePathTest : public testing::FolderTest {
+class LivePathTest : public testing::CommandTest {
  protected:
   fs::path file() const { return folder_ / "trajectory.live.txt"; }
   fs::path second() const { return folder_ / "trajectory_2.live.txt"; }
@@ -156,11 +155,7 @@ TEST_F(LivePathTest, AKilledRunLeavesItsPath) {
   const fs::path sequence = folder_ / "sequence", out = folder_ / "out";
   // So long that the end surely comes in the middle; it says each tenth that is done.
   const ToAndFro wall(sequence, 30, 1000);
-  const auto program = [&](const std::vector<std::string>& arguments) {
-    return Program(folder_, arguments, {"HOME=" + folder_.string()});
-  };
-  const Program run =
-      program({"run", sequence, "--mode", "off", "--detector", "none", "--out", out});
+  const Program run = start({"run", sequence, "--mode", "off", "--detector", "none", "--out", out});
   for (int i = 0; i < 3000 && frames_done(run) < 100; ++i) std::this_thread::sleep_for(20ms);
   run.kill();
   ASSERT_EQ(run.wait(), 1000 + SIGKILL) << run.err();
@@ -178,7 +173,7 @@ TEST_F(LivePathTest, AKilledRunLeavesItsPath) {
   const Trajectory truth = read_trajectory(sequence / "groundtruth.txt");
   EXPECT_LT(absolute_error(truth, path).statistics.rmse, 0.004);
 
-  const Program eval = program({"eval", sequence / "groundtruth.txt", live});
+  const Program eval = start({"eval", sequence / "groundtruth.txt", live});
   EXPECT_EQ(eval.wait(), 0) << eval.err();
 }
 

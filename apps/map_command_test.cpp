@@ -12,13 +12,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/map_file.h"
 #include "dkp_slam/map_file/sqlite.h"
-#include "dkp_slam/map_file/test_folder.h"
 
 namespace dkp_slam {
 namespace {
@@ -33,18 +32,8 @@ using ::testing::HasSubstr;
 
 constexpr int frame_count = 12;
 
-class MapCommand : public testing::FolderTest {
+class MapCommand : public testing::CommandTest {
  protected:
-  Program start(const std::vector<std::string>& arguments) const {
-    return Program(folder_, arguments, {"HOME=" + folder_.string()});
-  }
-  int call(const std::vector<std::string>& arguments) {
-    const Program program = start(arguments);
-    const int code = program.wait();
-    stdout_ = program.out();
-    stderr_ = program.err();
-    return code;
-  }
   std::vector<std::string> run_arguments(const std::vector<std::string>& more) {
     if (!sequence_) sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", frame_count);
     std::vector<std::string> arguments{"run",      sequence_->folder(),
@@ -69,7 +58,6 @@ class MapCommand : public testing::FolderTest {
   fs::path map() const { return folder_ / "wall.map"; }
 
   std::unique_ptr<WallSequence> sequence_;
-  std::string stdout_, stderr_;
 };
 
 TEST_F(MapCommand, ARunKeepsItsMapAndTheNextGoesOnWithIt) {

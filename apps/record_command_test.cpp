@@ -13,9 +13,8 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
-#include "dkp_slam/map_file/test_folder.h"
 #include "dkp_slam/sensor/image_reader.h"
 #include "dkp_slam/sensor/stream/test_driver.h"
 #include "dkp_slam/sensor/tum_lists.h"
@@ -34,20 +33,11 @@ using ::testing::HasSubstr;
 constexpr int frame_count = 12;
 
 /// Records what real drivers send, by the program itself.
-class RecordCommand : public testing::FolderTest {
+class RecordCommand : public testing::CommandTest {
  protected:
   void SetUp() override {
-    FolderTest::SetUp();
+    CommandTest::SetUp();
     sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", frame_count);
-  }
-  std::string err() const { return content(folder_ / "err"); }
-  int bash(const std::string& line) const {
-    const fs::path script = folder_ / "line.sh";
-    std::ofstream(script) << fmt::format(
-        "set -o pipefail\nexec >/dev/null\ncd '{}'\nexport HOME='{}' P='{}'\n{}\n",
-        folder_.string(), folder_.string(), DKP_SLAM_PROGRAM, line);
-    const int status = std::system(fmt::format("bash '{}'", script.string()).c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
   }
   /// Every frame that is listed can be read and is the sequence's; returns how many there are.
   std::size_t frames_in(const fs::path& out) const {
@@ -123,7 +113,7 @@ TEST_F(RecordCommand, CtrlCAndACutLeaveAWholeFolder) {
 
   const fs::path out = folder_ / "out";
   const std::string address = "unix:" + (folder_ / "s").string();
-  const Program program(folder_, {"record", "--source", address, "--out", out}, {});
+  const Program program = start({"record", "--source", address, "--out", out});
   Connection driver(address);
   driver.send(cut);
   const auto images = [&] {

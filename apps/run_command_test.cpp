@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
 #include "dkp_slam/detection/yolox/tiny_onnx.h"
 #include "dkp_slam/evaluation/absolute_error.h"
@@ -32,34 +32,23 @@ using ::testing::Not;
 constexpr int frame_count = 12;
 
 /// Runs the program itself, as a user does, on a small exact sequence that each test spoils.
-class RunCommand : public ::testing::Test {
+class RunCommand : public testing::CommandTest {
  protected:
   void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / (std::string("run_command_") + info->name());
-    fs::remove_all(folder_);
+    CommandTest::SetUp();
     sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", frame_count);
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   fs::path out() const { return folder_ / "out"; }
   fs::path camera() const { return sequence_->folder() / "camera.yaml"; }
 
-  Program start(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments = {"run", sequence_->folder(), "--camera", camera(), "--out",
-                                          out()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    // No weights of the user's: what runs must not depend on them.
-    return Program(folder_, arguments, {"HOME=" + folder_.string()});
+  std::vector<std::string> command(const std::vector<std::string>& more) const {
+    std::vector<std::string> all{"run", sequence_->folder(), "--camera", camera(), "--out", out()};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
   }
   /// Runs to the end; returns the exit code.
-  int run(const std::vector<std::string>& more = {"--mode", "off"}) {
-    const Program program = start(more);
-    const int code = program.wait();
-    stdout_ = program.out();
-    stderr_ = program.err();
-    return code;
-  }
+  int run(const std::vector<std::string>& more = {"--mode", "off"}) { return call(command(more)); }
 
   /// Lines of stderr that are neither a message of some level nor progress.
   std::vector<std::string> error_lines() const {
@@ -113,9 +102,7 @@ class RunCommand : public ::testing::Test {
     std::ofstream(sequence_->folder() / name) << text;
   }
 
-  fs::path folder_;
   std::unique_ptr<WallSequence> sequence_;
-  std::string stdout_, stderr_;
 };
 
 TEST_F(RunCommand, LocalisesEveryFrameAndSaysWhereThingsAre) {
@@ -422,7 +409,7 @@ TEST_F(RunCommand, UnwritableOutputIsFoundBeforeTheRun) {
   EXPECT_EQ(std::distance(fs::directory_iterator(out()), {}), 1);
   if (::geteuid() != 0) {  // whom no rights stop
     fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
-    const Program program = start({"--mode", "off"});
+    const Program program = start(command({"--mode", "off"}));
     EXPECT_EQ(program.wait(), 1);
     fs::permissions(folder_, fs::perms::owner_all);
   }
@@ -430,7 +417,7 @@ TEST_F(RunCommand, UnwritableOutputIsFoundBeforeTheRun) {
 
 TEST_F(RunCommand, CtrlCSavesWhatThereIs) {
   sequence_->prolong([](int) { return frame_count - 1; });
-  const Program program = start({"--mode", "off", "--realtime"});
+  const Program program = start(command({"--mode", "off", "--realtime"}));
   program.wait_for("run: 1 of");
   program.interrupt();
   EXPECT_EQ(program.wait(), 130);

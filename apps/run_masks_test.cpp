@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
 
 namespace dkp_slam {
@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using dkp_slam::testing::content;
-using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
 
@@ -26,38 +25,27 @@ const cv::Rect half(0, 0, 320, 480);
 
 /// The program on a small exact sequence, with masks that cover the left half of every image, and
 /// in real time.
-class RunMasks : public ::testing::Test {
+class RunMasks : public testing::CommandTest {
  protected:
   void SetUp() override {
-    fs::remove_all(folder_);
+    CommandTest::SetUp();
     sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", masked_frames);
     cv::Mat mask = cv::Mat::zeros(480, 640, CV_8UC1);
     mask(half) = 1;
     fs::create_directories(masks());
     for (int i = 0; i < masked_frames; ++i) cv::imwrite(mask_file(i), mask);
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   fs::path out() const { return folder_ / "out"; }
   fs::path masks() const { return sequence_->folder() / "mask"; }
   std::string mask_file(int i) const { return masks() / (WallSequence::stamp(i) + ".png"); }
   int run(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"run", sequence_->folder(), "--out", out()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const Program program(folder_, arguments, {"HOME=" + folder_.string()});
-    const int code = program.wait();
-    stdout_ = program.out();
-    stderr_ = program.err();
-    return code;
+    return call({"run", sequence_->folder(), "--out", out()}, more);
   }
   int run_with_masks() { return run({"--masks", masks()}); }
   nlohmann::json summary() const { return nlohmann::json::parse(content(out() / "summary.json")); }
 
-  const fs::path folder_ =
-      fs::path(::testing::TempDir()) /
-      (std::string("run_masks_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
   std::unique_ptr<WallSequence> sequence_;
-  std::string stdout_, stderr_;
 };
 
 TEST_F(RunMasks, TakeThePlaceOfADetector) {

@@ -9,16 +9,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
-#include "dkp_slam/map_file/test_folder.h"
 
 namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
 using dkp_slam::testing::content;
-using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
@@ -26,38 +24,28 @@ using ::testing::IsSupersetOf;
 constexpr int frame_count = 12;
 
 /// What `run` tells of its own speed.
-class RunProfile : public testing::FolderTest {
+class RunProfile : public testing::CommandTest {
  protected:
   void SetUp() override {
-    FolderTest::SetUp();
+    CommandTest::SetUp();
     sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", frame_count);
   }
 
   int run(const std::string& out, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"run",        sequence_->folder(),
-                                       "--camera",   sequence_->folder() / "camera.yaml",
-                                       "--detector", "motion",
-                                       "--out",      folder_ / out};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return start(arguments);
-  }
-  int start(const std::vector<std::string>& arguments) {
-    const Program program(folder_, arguments, {"HOME=" + folder_.string()});
-    const int code = program.wait();
-    errors_ = program.err();
-    return code;
+    return call({"run", sequence_->folder(), "--camera", sequence_->folder() / "camera.yaml",
+                 "--detector", "motion", "--out", folder_ / out},
+                more);
   }
   nlohmann::json json(const std::string& file) const {
     return nlohmann::json::parse(std::ifstream(folder_ / file));
   }
 
   std::unique_ptr<WallSequence> sequence_;
-  std::string errors_;
 };
 
 TEST_F(RunProfile, ATraceHasTheStagesOfEveryFrameByThread) {
   const std::string file = folder_ / "trace.json";
-  ASSERT_EQ(run("out", {"--profile", file}), 0) << errors_;
+  ASSERT_EQ(run("out", {"--profile", file}), 0) << stderr_;
   std::map<int, std::string> threads;
   std::map<std::string, std::set<int>> frames;
   std::set<std::string> names;
@@ -80,12 +68,12 @@ TEST_F(RunProfile, ATraceHasTheStagesOfEveryFrameByThread) {
 
 TEST_F(RunProfile, ATraceThatCannotBeWrittenEndsTheRunBeforeItBegins) {
   EXPECT_EQ(run("out", {"--profile", "/no/such/folder/trace.json"}), 1);
-  EXPECT_THAT(errors_, HasSubstr("/no/such/folder/trace.json"));
+  EXPECT_THAT(stderr_, HasSubstr("/no/such/folder/trace.json"));
 }
 
 TEST_F(RunProfile, PreloadedImagesGiveTheSamePath) {
-  ASSERT_EQ(run("out", {}), 0) << errors_;
-  ASSERT_EQ(run("preloaded", {"--preload"}), 0) << errors_;
+  ASSERT_EQ(run("out", {}), 0) << stderr_;
+  ASSERT_EQ(run("preloaded", {"--preload"}), 0) << stderr_;
   EXPECT_EQ(content(folder_ / "out/trajectory.txt"), content(folder_ / "preloaded/trajectory.txt"));
   EXPECT_EQ(content(folder_ / "out/detections.txt"), content(folder_ / "preloaded/detections.txt"));
   const nlohmann::json read = json("out/summary.json"), preloaded = json("preloaded/summary.json");
@@ -94,7 +82,7 @@ TEST_F(RunProfile, PreloadedImagesGiveTheSamePath) {
   EXPECT_GT(read["median_ms"]["decode"], preloaded["median_ms"]["decode"]);
   EXPECT_GT(read["median_ms"]["latency"], read["median_ms"]["tracking"]);
   EXPECT_EQ(run("view", {"--preload", "--view"}), 2);
-  EXPECT_EQ(start({"run", "-", "--preload", "--out", folder_ / "stream"}), 2);
+  EXPECT_EQ(call({"run", "-", "--preload", "--out", folder_ / "stream"}), 2);
 }
 
 }  // namespace

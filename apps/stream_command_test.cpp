@@ -14,9 +14,8 @@
 #include <sys/wait.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/test_program.h"
+#include "apps/test_command.h"
 #include "apps/test_sequence.h"
-#include "dkp_slam/map_file/test_folder.h"
 #include "dkp_slam/sensor/stream/test_driver.h"
 
 namespace dkp_slam {
@@ -35,26 +34,15 @@ constexpr std::size_t pixels = std::size_t{640} * 480;
 constexpr std::size_t frame_bytes = 8 + 16 + pixels * 5;
 
 /// Frame streams through real pipes and sockets into the program itself.
-class StreamCommand : public testing::FolderTest {
+class StreamCommand : public testing::CommandTest {
  protected:
   void SetUp() override {
-    FolderTest::SetUp();
+    CommandTest::SetUp();
     sequence_ = std::make_unique<WallSequence>(folder_ / "sequence", frame_count);
   }
   fs::path out() const { return folder_ / "out"; }
   std::string socket() const { return "unix:" + (folder_ / "s").string(); }
-  std::string err() const { return content(folder_ / "err"); }
   std::string path() const { return content(out() / "trajectory.txt"); }
-
-  /// Exit code of a command line of bash, where $P is the program.
-  int bash(const std::string& line) const {
-    const fs::path script = folder_ / "line.sh";
-    std::ofstream(script) << fmt::format(
-        "set -o pipefail\nexec >/dev/null\ncd '{}'\nexport HOME='{}' P='{}'\n{}\n",
-        folder_.string(), folder_.string(), DKP_SLAM_PROGRAM, line);
-    const int status = std::system(fmt::format("bash '{}'", script.string()).c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
-  }
   /// What the folder itself leads to.
   std::string path_of_folder() const {
     EXPECT_EQ(bash("$P run sequence --mode off --out folder 2>err"), 0) << err();
@@ -103,7 +91,7 @@ class StreamCommand : public testing::FolderTest {
     std::vector<std::string> arguments = {"run", "--source", socket(), "--mode",
                                           "off", "--out",    out()};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return Program(folder_, arguments, {"HOME=" + folder_.string()});
+    return CommandTest::start(arguments);
   }
 
   std::unique_ptr<WallSequence> sequence_;
