@@ -60,12 +60,12 @@ TEST_P(Twins, ExactBoxesAndMotionDetector) {
 INSTANTIATE_TEST_SUITE_P(
     Synthetic, Twins,
     ::testing::Values(
-        Twin{"walking_xyz", 60, 210, 0.012, true},                // 0.0032, 0.0032 (0.0421)
-        Twin{"walking_rpy", 90, 150, 0.011, true},                // 0.0065, 0.0076 (0.0134)
-        Twin{"walking_halfsphere", 60, first_walk, 0.015, true},  // 0.0060, 0.0058 (0.1133)
-        Twin{"walking_static", 60, first_walk, 0.008, true},      // 0.0035, 0.0032 (0.0186)
-        Twin{"sitting_static", 45, 0, 0.006, false},              // 0.0034, 0.0026
-        Twin{"sitting_xyz", 45, 0, 0.008, false}),                // 0.0048, 0.0038
+        Twin{"walking_xyz", 60, 210, 0.010, true},                // 0.0014, 0.0033 (0.0406)
+        Twin{"walking_rpy", 90, 150, 0.011, true},                // 0.0074, 0.0052 (0.0206)
+        Twin{"walking_halfsphere", 60, first_walk, 0.010, true},  // 0.0023, 0.0020 (0.1038)
+        Twin{"walking_static", 60, first_walk, 0.005, true},      // 0.0013, 0.0022 (0.0072)
+        Twin{"sitting_static", 45, 0, 0.004, false},              // 0.0014, 0.0013
+        Twin{"sitting_xyz", 45, 0, 0.005, false}),                // 0.0015, 0.0022
     [](const auto& info) { return info.param.scenario; });
 
 TEST(TwinsWithoutDetections, ForASecond) {

@@ -58,6 +58,26 @@ Vector6d Se3::log() const {
   return tangent;
 }
 
+Matrix6d adjoint(const Se3& pose) {
+  const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
+  Matrix6d a = Matrix6d::Zero();
+  a.topLeftCorner<3, 3>() = a.bottomRightCorner<3, 3>() = r;
+  a.topRightCorner<3, 3>() = skew(pose.translation) * r;
+  return a;
+}
+
+Matrix6d lie_bracket(const Vector6d& tangent) {
+  Matrix6d ad = Matrix6d::Zero();
+  ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = skew(tangent.tail<3>());
+  ad.topRightCorner<3, 3>() = skew(tangent.head<3>());
+  return ad;
+}
+
+Matrix6d inverse_left_jacobian(const Vector6d& tangent) {
+  const Matrix6d ad = lie_bracket(tangent);
+  return Matrix6d::Identity() - 0.5 * ad + ad * ad / 12.0;
+}
+
 double Se3::angle() const {
   return 2.0 * std::atan2(rotation.vec().norm(), std::abs(rotation.w()));
 }

@@ -6,6 +6,7 @@
 namespace dkp_slam {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// Rigid transformation. Named `a_from_b` by its users: it maps coordinates in frame b to frame a.
 struct Se3 {
@@ -36,5 +37,15 @@ struct Se3 {
 
 /// Matrix of the cross product: skew(a) * b = a x b.
 Eigen::Matrix3d skew(const Eigen::Vector3d& a);
+
+/// Of tangents (translation, rotation): exp(adjoint(T) x) T = T exp(x).
+Matrix6d adjoint(const Se3& pose);
+/// The same of an infinitesimal motion: lie_bracket(a) * b is the derivative of adjoint(exp(s a)) b
+/// by s at 0.
+Matrix6d lie_bracket(const Vector6d& tangent);
+/// Derivative of log(exp(x) exp(tangent)) by x at 0: the series of the inverse left Jacobian of
+/// SE(3) up to the second order (Barfoot 2017, "State Estimation for Robotics", Eq. 7.97); that of
+/// log(exp(tangent) exp(x)), the right one, is the same of -tangent.
+Matrix6d inverse_left_jacobian(const Vector6d& tangent);
 
 }  // namespace dkp_slam

@@ -50,6 +50,35 @@ TEST(Se3, LogInvertsExpFromTinyToLargeAngles) {
   }
 }
 
+TEST(Se3, AdjointCarriesATangentOverAPose) {
+  Vector6d x, y;
+  x << 0.02, -0.03, 0.05, 0.04, 0.01, -0.02;
+  y << 1.0, 2.0, -0.5, 0.7, -1.1, 0.4;
+  const Se3 pose = Se3::exp(y);
+  EXPECT_LT(
+      (Se3::exp(adjoint(pose) * x).inverse() * pose * Se3::exp(x) * pose.inverse()).log().norm(),
+      1e-12);
+  // Of a motion so short that it is its derivative.
+  constexpr double short_time = 1e-6;
+  EXPECT_LT(((adjoint(Se3::exp(short_time * y)) * x - x) / short_time - lie_bracket(y) * x).norm(),
+            1e-5);
+}
+
+/// Against differences, for a turn as large as from frame to frame in a hand: 0.1 radians.
+TEST(Se3, InverseJacobiansAreTheDerivativesOfTheLogarithm) {
+  Vector6d tangent;
+  tangent << 0.03, -0.02, 0.05, 0.06, -0.05, 0.07;
+  constexpr double h = 1e-6;
+  for (int axis = 0; axis < 6; ++axis) {
+    const Vector6d x = h * Vector6d::Unit(axis);
+    const Vector6d left = ((Se3::exp(x) * Se3::exp(tangent)).log() - tangent) / h;
+    const Vector6d right = ((Se3::exp(tangent) * Se3::exp(x)).log() - tangent) / h;
+    EXPECT_LT((inverse_left_jacobian(tangent) * Vector6d::Unit(axis) - left).norm(), 1e-5) << axis;
+    EXPECT_LT((inverse_left_jacobian(-tangent) * Vector6d::Unit(axis) - right).norm(), 1e-5)
+        << axis;
+  }
+}
+
 TEST(Se3, InverseAndProductUndoEachOther) {
   Vector6d tangent;
   tangent << 0.3, -0.2, 0.5, 0.4, -0.7, 0.2;

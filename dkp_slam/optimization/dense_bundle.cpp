@@ -12,7 +12,6 @@
 namespace dkp_slam {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Matrix63d = Eigen::Matrix<double, 6, 3>;
 
 /// The steps' size, as Ceres keeps it (Madsen, Nielsen and Tingleff 2004, §3.2).

@@ -8,26 +8,7 @@
 namespace dkp_slam {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using BlockJacobian = Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>>;
-
-/// exp(adjoint(T) x) T = T exp(x).
-Matrix6d adjoint(const Se3& pose) {
-  const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
-  Matrix6d a = Matrix6d::Zero();
-  a.topLeftCorner<3, 3>() = a.bottomRightCorner<3, 3>() = r;
-  a.topRightCorner<3, 3>() = skew(pose.translation) * r;
-  return a;
-}
-
-/// Derivative of log(exp(x) exp(tangent)) by x at 0: the series of the inverse left Jacobian of
-/// SE(3) up to the second order (Barfoot 2017, "State Estimation for Robotics", Eq. 7.97).
-Matrix6d inverse_left_jacobian(const Vector6d& tangent) {
-  Matrix6d ad = Matrix6d::Zero();
-  ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = skew(tangent.tail<3>());
-  ad.topRightCorner<3, 3>() = skew(tangent.head<3>());
-  return Matrix6d::Identity() - 0.5 * ad + ad * ad / 12.0;
-}
 
 /// log(measured * from * to^-1), each part over its standard deviation.
 class EdgeCost final : public ceres::SizedCostFunction<6, 7, 7> {

@@ -10,7 +10,6 @@
 namespace dkp_slam {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Row6d = Eigen::Matrix<double, 1, 6>;
 
 constexpr int rounds = 4;                // as ORB-SLAM
@@ -120,9 +119,9 @@ PoseEstimate optimize_pose(const Camera& camera, const MeasurementModel& model, 
   return out;
 }
 
-Eigen::Matrix<double, 6, 6> pose_information(const Camera& camera, const MeasurementModel& model,
-                                             const Se3& camera_from_world,
-                                             const std::vector<PoseObservation>& observations) {
+Matrix6d pose_information(const Camera& camera, const MeasurementModel& model,
+                          const Se3& camera_from_world,
+                          const std::vector<PoseObservation>& observations) {
   const Problem problem(camera, model, observations);
   constexpr bool robust = true;
   NormalEquations sum;

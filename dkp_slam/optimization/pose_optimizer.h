@@ -29,8 +29,8 @@ PoseEstimate optimize_pose(const Camera& camera, const MeasurementModel& model, 
 /// What these observations tell of the pose (the inverse of its covariance), at the noise that
 /// `model` assumes of each and independent of one another: of a small motion of the camera, first
 /// translation (metres), then rotation (radians), both along the axes of the camera.
-Eigen::Matrix<double, 6, 6> pose_information(const Camera& camera, const MeasurementModel& model,
-                                             const Se3& camera_from_world,
-                                             const std::vector<PoseObservation>& observations);
+Matrix6d pose_information(const Camera& camera, const MeasurementModel& model,
+                          const Se3& camera_from_world,
+                          const std::vector<PoseObservation>& observations);
 
 }  // namespace dkp_slam

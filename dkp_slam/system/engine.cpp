@@ -157,8 +157,10 @@ std::vector<Trajectory> Engine::trajectories() const {
     const int which = map_.keyframe(p.reference_keyframe).map;
     const auto path =
         static_cast<std::size_t>(std::find(used.begin(), used.end(), which) - used.begin());
-    tracked[path].push_back({p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe),
-                             path == before ? p.from_previous : std::nullopt, p.landmarks});
+    tracked[path].push_back({p.timestamp,
+                             p.camera_from_reference * map_.keyframe_pose(p.reference_keyframe),
+                             path == before ? p.from_previous : std::nullopt, p.landmarks,
+                             p.continues && path == before});
     paths[path].push_back({p.timestamp, {}});
     before = path;
   });

@@ -19,7 +19,7 @@ struct PoseQuality {
   /// Of the camera's position (first three, square metres) and orientation (last three, square
   /// radians) along the camera's axes, relative to the room about it as the map has it: the true
   /// world_from_camera is that of the result times exp(xi). Infinite where not localised.
-  Eigen::Matrix<double, 6, 6> covariance = unknown();
+  Matrix6d covariance = unknown();
   /// Share of the image that lies on what may move: people and what they carry; 0 to 1.
   double people_share = 0.0;
   /// Seconds since a frame was placed by landmarks of the map: 0 where this one was, infinite where
@@ -28,7 +28,7 @@ struct PoseQuality {
 
   /// Standard deviation of the position in its worst direction, metres.
   double position_sigma() const;
-  static Eigen::Matrix<double, 6, 6> unknown();
+  static Matrix6d unknown();
 };
 
 /// What became of one frame.

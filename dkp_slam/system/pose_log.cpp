@@ -38,7 +38,7 @@ bool PoseLog::write_out() {
   std::vector<Record> records;
   records.reserve(newest_.size());
   for (const TrackedPose& p : newest_) {
-    Record record{p.timestamp, {}, {}, {}, {}, p.reference_keyframe, p.landmarks};
+    Record record{p.timestamp, {}, {}, {}, {}, p.reference_keyframe, p.landmarks, p.continues};
     write(p.camera_from_reference, record.rotation, record.translation);
     if (p.from_previous) write(*p.from_previous, record.motion_rotation, record.motion_translation);
     records.push_back(record);
@@ -67,6 +67,7 @@ void PoseLog::for_each(const std::function<void(const TrackedPose&)>& use) const
       pose.timestamp = r.timestamp;
       pose.reference_keyframe = r.reference_keyframe;
       pose.landmarks = r.landmarks;
+      pose.continues = r.continues != 0;
       pose.camera_from_reference = pose_from(r.rotation, r.translation);
       const Se3 motion = pose_from(r.motion_rotation, r.motion_translation);
       if (motion.rotation.squaredNorm() > 0.0) pose.from_previous = motion;

@@ -32,7 +32,7 @@ class PoseLog {
     double translation[3];
     double motion_rotation[4];  // of from_previous; all zero: nothing
     double motion_translation[3];
-    int reference_keyframe, landmarks;
+    int reference_keyframe, landmarks, continues;
   };
 
   bool write_out();

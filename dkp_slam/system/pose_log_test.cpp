@@ -8,8 +8,8 @@ namespace dkp_slam {
 namespace {
 
 TrackedPose pose_number(int i) {
-  TrackedPose pose{0.1 * i, i / 7, testing::pose(0.01 * i, 1.0 / (i + 1), -2.0, 0.001 * i),
-                   std::nullopt, 3 * i};
+  TrackedPose pose{0.1 * i,      i / 7, testing::pose(0.01 * i, 1.0 / (i + 1), -2.0, 0.001 * i),
+                   std::nullopt, 3 * i, i % 5 != 0};
   if (i % 3 > 0) pose.from_previous = testing::pose(1.0 / (i + 2), 0.01 * i, 2.0, 0.002 * i);
   return pose;
 }
@@ -28,6 +28,7 @@ TEST(PoseLog, GivesBackEveryPoseToTheLastBit) {
         EXPECT_EQ(p.camera_from_reference.rotation.coeffs(),
                   expected.camera_from_reference.rotation.coeffs());
         EXPECT_EQ(p.landmarks, expected.landmarks);
+        EXPECT_EQ(p.continues, expected.continues);
         ASSERT_EQ(p.from_previous.has_value(), expected.from_previous.has_value());
         if (!p.from_previous) return;
         EXPECT_EQ(p.from_previous->translation, expected.from_previous->translation);

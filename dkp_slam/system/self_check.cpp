@@ -16,8 +16,6 @@
 namespace dkp_slam {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
 /// Pixels that all landmarks of a view are off together: errors of the map itself, of the lens and
 /// of the depth, which no number of landmarks averages out. With 0.5 one frame in 200 of seven
 /// generated sequences lies over three sigma, with 0.3 one in 20 (docs/reliability.md).

@@ -27,19 +27,18 @@ class SelfCheck {
   };
 
   std::vector<PoseObservation> evidence(const Frame& frame) const;
-  Eigen::Matrix<double, 6, 6> covariance(const Se3& camera_from_world,
-                                         const std::vector<PoseObservation>& observations,
-                                         double hidden) const;
+  Matrix6d covariance(const Se3& camera_from_world,
+                      const std::vector<PoseObservation>& observations, double hidden) const;
   void compare_groups(const Frame& frame, std::vector<PoseObservation> observations);
   Doubt inherited_doubt(const Frame& frame) const;
 
   const Map& map_;
   const MeasurementModel model_;
   double map_seen_ = -std::numeric_limits<double>::infinity();
-  Eigen::Matrix<double, 6, 6> last_ = PoseQuality::unknown();  ///< where the map was last seen
-  Doubt contest_;              ///< near and far do not agree where the camera is
-  double contested_ = 0.0;     ///< timestamp of the last such frame
-  std::vector<Doubt> doubts_;  ///< by keyframe id: that it was made under
+  Matrix6d last_ = PoseQuality::unknown();  ///< where the map was last seen
+  Doubt contest_;                           ///< near and far do not agree where the camera is
+  double contested_ = 0.0;                  ///< timestamp of the last such frame
+  std::vector<Doubt> doubts_;               ///< by keyframe id: that it was made under
 };
 
 }  // namespace dkp_slam

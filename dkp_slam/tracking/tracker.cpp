@@ -39,6 +39,7 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
   follow_map_changes();
   frame.landmark.assign(static_cast<std::size_t>(frame.features.size()), -1);
   tracked_landmarks_ = 0;
+  recognised_ = false;
   if (state_ == TrackingState::not_initialized) {
     return localize_only_ ? TrackingResult() : initialize(frame);
   }
@@ -66,8 +67,9 @@ TrackedPose Tracker::settle(const Frame& frame, bool became_keyframe) {
   }
   const bool follows = last_.index >= 0 && last_.index == frame.index - 1;
   remember(frame);
-  return {frame.timestamp, frame.reference_keyframe, last_from_reference_,
-          follows ? frame.current_from_previous : std::nullopt, tracked_landmarks_};
+  return {frame.timestamp,      frame.reference_keyframe,
+          last_from_reference_, follows ? frame.current_from_previous : std::nullopt,
+          tracked_landmarks_,   !recognised_};
 }
 
 bool Tracker::localize(Frame& frame) {
@@ -83,6 +85,7 @@ bool Tracker::localize(Frame& frame) {
     // The place may lie in another map, and the way there is no motion of the camera.
     map_.set_current_map(map_.keyframe(frame.reference_keyframe).map);
     motion_time_ = 0.0;
+    recognised_ = true;
     return true;
   }
   if (!found) {

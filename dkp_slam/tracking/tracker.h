@@ -80,6 +80,8 @@ struct TrackedPose {
   /// localised or the motion was not measured.
   std::optional<Se3> from_previous;
   int landmarks = 0;  ///< that the pose rests on
+  /// The camera moved here from the pose before: not where its place was recognised.
+  bool continues = true;
 };
 
 /// What tracking a frame came to.
@@ -156,6 +158,7 @@ class Tracker {
   Se3 since_last_;         ///< the camera's motion since `last_`, as far as it was measured
   double map_time_ = 0.0;  ///< of the last frame that was localised in the map
   std::optional<double> lost_since_;  ///< timestamp of the first frame that was not localised
+  bool recognised_ = false;           ///< the frame's place was found by its looks
   int tracked_landmarks_ = 0;
   int most_tracked_ = 0;  ///< landmarks, in a frame since the last keyframe
 };

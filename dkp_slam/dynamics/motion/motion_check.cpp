@@ -14,8 +14,6 @@
 namespace dkp_slam {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
 constexpr double min_z = 0.05;  // metres: nearer than any sensor reads
 
 /// Information, one over the sigmas squared, of what is expected: (translation, rotation).
