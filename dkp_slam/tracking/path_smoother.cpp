@@ -154,7 +154,8 @@ class Chain {
   }
 
   /// Position and velocity after this time without acceleration, and how far off an acceleration
-  /// that is white noise may have brought both (Anderson and Barfoot, Eqs. 14 and 16).
+  /// that is white noise may have brought both: over a time t by t^3 / 3, t^2 / 2 and t times its
+  /// density (Anderson and Barfoot), whose inverse is 12 / t^3, -6 / t^2 and 4 / t.
   void hold_velocity(std::size_t i, Equations& equations) const {
     if (!tracked_[i].continues) return;
     const double t = seconds(i);

@@ -44,10 +44,10 @@ struct PathPose {
 /// with a camera that has mass, in robust least squares on SE(3) (a chain of poses and velocities,
 /// solved by block elimination). Poses come from landmarks, each frame by itself, so that they
 /// jitter about the path; motions come from flow, which follows the pixels themselves, but drifts;
-/// and between poses velocity is a Wiener process ("white noise on acceleration": Anderson and
-/// Barfoot 2015, "Full STEAM Ahead: Exactly Sparse Gaussian Process Regression for Batch
-/// Continuous-Time Trajectory Estimation on SE(3)", Eqs. 12 to 16). Stamps rise. Time and memory
-/// grow with the length of the path alone.
+/// and between poses velocity is a Wiener process (the prior "white noise on acceleration" of
+/// Anderson and Barfoot 2015, "Full STEAM Ahead: Exactly Sparse Gaussian Process Regression for
+/// Batch Continuous-Time Trajectory Estimation on SE(3)"). Stamps rise. Time and memory grow with
+/// the length of the path alone.
 void smooth_path(std::vector<PathPose>& path, const PathSmootherOptions& options);
 
 }  // namespace dkp_slam
