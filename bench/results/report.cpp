@@ -239,8 +239,7 @@ std::string report(const ReportHeader& header, const Results& results) {
   out += ablation_table(header.sequences, header.modes, results) + '\n';
   out +=
       "## Drift\n\nRPE, RMSE: translation over one second and from frame to frame, rotation over "
-      "one second. Motion capture jitters from frame to frame, so the middle figure is mostly "
-      "its noise.\n\n";
+      "one second.\n\n";
   out += drift_table(header, results) + '\n';
   out +=
       "## Times (as the paper's Table 7)\n\nMilliseconds, medians over all frames, also those "
