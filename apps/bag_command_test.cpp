@@ -107,9 +107,7 @@ TEST_F(BagCommand, WhatIsWrongIsOneLineAndLeavesNothing) {
   const fs::path out = folder_ / "out";
   const auto expect_refusal = [&](const std::vector<std::string>& options, int code,
                                   const std::string& reason) {
-    std::vector<std::string> arguments{"run", bag(), "--mode", "off", "--out", out};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    EXPECT_EQ(call(arguments), code) << reason;
+    EXPECT_EQ(call({"run", bag(), "--mode", "off", "--out", out}, options), code) << reason;
     EXPECT_THAT(stderr_, HasSubstr(reason));
     EXPECT_FALSE(fs::exists(out)) << reason;
   };
