@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include <spdlog/spdlog.h>
 
@@ -164,20 +165,43 @@ Se3 Tracker::predicted_motion(const Frame& frame) const {
 
 bool Tracker::track_by_motion(Frame& frame) {
   // Constant velocity, over the time that has really passed: frames may be missing.
+  const double passed = frame.timestamp - last_.timestamp;
   const Se3 predicted = predicted_motion(frame) * last_.camera_from_world;
-  for (const float widen : {1.0F, 2.0F}) {
-    frame.camera_from_world = predicted;
-    std::vector<FrameMatch> matches =
-        match_last_frame(map_, last_, frame, widen * options_.motion_radius);
-    if (static_cast<int>(matches.size()) < options_.least_from_motion) continue;
-    if (refine_pose(map_, model_, frame, matches) < options_.least_from_motion / 2) continue;
-    assign_landmarks(matches, frame);
-    return true;
+  int found = follow_landmarks(predicted, frame);
+  if (found > 0 && found < options_.sure_from_motion && motion_time_ > 0.0 &&
+      frame.timestamp - map_time_ < options_.longest_steady) {
+    // Where people fill the view the measured motion may be theirs. Nearly as many landmarks found
+    // from elsewhere are no proof of that.
+    constexpr double clearly_more = 1.5;
+    Frame other = frame;
+    std::fill(other.landmark.begin(), other.landmark.end(), -1);
+    const int more = follow_landmarks(motion_over(passed) * last_.camera_from_world, other);
+    if (more > clearly_more * found) {
+      frame = std::move(other);
+      found = more;
+    }
   }
+  if (found > 0) return true;
   // A frame that was carried has no landmarks to follow, but its motion leads to those of the map
   // about it.
   frame.camera_from_world = predicted;
   return last_.tracked_landmarks() == 0 && frame.current_from_previous.has_value();
+}
+
+/// The pose by the last frame's landmarks, looked for about where `guess` has them. Returns how
+/// many agree on it; 0 where they are too few.
+int Tracker::follow_landmarks(const Se3& guess, Frame& frame) const {
+  for (const float widen : {1.0F, 2.0F}) {
+    frame.camera_from_world = guess;
+    std::vector<FrameMatch> matches =
+        match_last_frame(map_, last_, frame, widen * options_.motion_radius);
+    if (static_cast<int>(matches.size()) < options_.least_from_motion) continue;
+    const int agree = refine_pose(map_, model_, frame, matches);
+    if (agree < options_.least_from_motion / 2) continue;
+    assign_landmarks(matches, frame);
+    return agree;
+  }
+  return 0;
 }
 
 void Tracker::correct_shutter(Frame& frame, const Se3& motion) const {

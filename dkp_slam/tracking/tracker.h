@@ -22,8 +22,11 @@ enum class TrackingState {
 };
 
 struct TrackerOptions {
-  int least_to_start = 100;     ///< static features with depth for the first keyframe
-  int least_from_motion = 20;   ///< matches by the motion model before the window is doubled
+  int least_to_start = 100;    ///< static features with depth for the first keyframe
+  int least_from_motion = 20;  ///< matches by the motion model before the window is doubled
+  /// With fewer landmarks found where the measured motion has them, constant velocity is tried,
+  /// too.
+  int sure_from_motion = 100;
   int least_inliers = 20;       ///< landmarks tracked, below it the frame is lost
   float motion_radius = 12.0F;  ///< pixels on level 0, search window about the predicted place
   int local_keyframes = 40;     ///< that make the local map
@@ -125,6 +128,7 @@ class Tracker {
   TrackingResult go_on_in_another_map(Frame& frame);
   TrackingResult start_another_map(Frame& frame);
   bool track_by_motion(Frame& frame);
+  int follow_landmarks(const Se3& guess, Frame& frame) const;
   bool track_reference_keyframe(Frame& frame);
   bool track_local_map(Frame& frame);
   std::vector<int> local_landmarks(Frame& frame) const;

@@ -8,6 +8,8 @@ void TrackerOptions::describe(OptionList& list) {
            "static features with depth for the first keyframe");
   list.add("least_from_motion", least_from_motion, at_least(3), "",
            "matches by the motion model; with fewer the window is doubled");
+  list.add("sure_from_motion", sure_from_motion, at_least(0), "",
+           "landmarks by the measured motion; with fewer constant velocity is tried, too");
   list.add("least_inliers", least_inliers, at_least(3), "",
            "landmarks tracked; with fewer the frame is lost");
   list.add("motion_radius", motion_radius, above(0), "pixels",

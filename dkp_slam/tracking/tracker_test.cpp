@@ -161,6 +161,22 @@ TEST_F(Tracking, DoesNotBelieveAMeasuredMotionThatNoCameraMakes) {
   EXPECT_LT(pose_distance(frame.camera_from_world, steady(5)), 0.002);
 }
 
+TEST_F(Tracking, IsNotTakenAlongByWhoFillsTheViewAndWasMappedForTheRoom) {
+  follow(0, 5);
+  // Forty points go with somebody who turns, no faster than a camera can; that is the motion that
+  // was measured. Eighty of the room are to be seen beside them.
+  const Se3 taken_along = pose(0.0, 0.0, 0.0, 0.05) * steady(5);
+  constexpr std::size_t theirs = 40;
+  for (std::size_t i = 0; i < theirs; ++i) {
+    world.points[i] = steady(5).inverse() * (taken_along * world.points[i]);
+  }
+  Frame frame = frame_at(steady(5), 5);
+  keep_static(frame, theirs + 80);
+  frame.current_from_previous = taken_along * steady(4).inverse();
+  ASSERT_TRUE(track(frame).localised);
+  EXPECT_LT(pose_distance(frame.camera_from_world, steady(5)), 0.005);
+}
+
 TEST_F(Tracking, ALandmarkThatMovesIsRemovedAfterTwoFramesAndNotAfterOne) {
   Frame first = frame_at({}, 0);
   ASSERT_TRUE(track(first).keyframe_due);
