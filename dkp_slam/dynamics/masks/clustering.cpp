@@ -106,6 +106,7 @@ int main_candidate(const SegmentMap& surfaces, const std::vector<Candidate>& can
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Candidate& c = candidates[i];
     const Segment& s = surfaces.segments[c.segment];
+    if (s.large) continue;
     constexpr double min_fill = 0.03;  // of the box: less is a thing in a person's box
     if (c.in_box < min_fill * inner.area()) continue;
     const double overlap = static_cast<double>(c.in_prior) / c.in_grown;
@@ -128,7 +129,7 @@ int main_candidate(const SegmentMap& surfaces, const std::vector<Candidate>& can
   if (best < 0) return -1;
   // A monitor or a wall in front of the person: better no mask than a wrong one.
   const Segment& winner = surfaces.segments[candidates[static_cast<std::size_t>(best)].segment];
-  return winner.flat && !winner.proved_moving() ? -1 : best;
+  return winner.thing() ? -1 : best;
 }
 
 /// Adds the main surface and those that belong to it.
@@ -147,7 +148,7 @@ void paint_surfaces(const Scene& scene, const std::vector<Candidate>& candidates
     const bool known = 2 * c.in_prior > c.in_grown;
     if (static_cast<int>(i) == main) {
       take[c.segment] = inside ? whole : in_interval;
-    } else if (!inside || s.proved_still() || (s.flat && !s.proved_moving())) {
+    } else if (!inside || s.proved_still() || s.thing()) {
       continue;
     } else if (s.proved_moving()) {
       take[c.segment] = whole;  // a second person at another depth

@@ -31,18 +31,13 @@ class PatchFinder {
     fill_counter();
   }
 
-  /// The plane with the most samples; their share is a ninth of its pixels.
+  /// The plane with the most samples, flat or cut through a body; their share is a ninth of its
+  /// pixels.
   std::optional<Plane> best(int min_samples) {
     if (samples_.empty()) return std::nullopt;
     // A start may hold less than the patch before it is refined.
     const auto found = ransac<Plane>(*this, options_.iterations, min_samples / 4);
     if (!found.model || found.score < min_samples) return std::nullopt;
-    const double bend = bulge(*found.model);
-    if (bend > options_.max_bulge) return std::nullopt;
-    if (bend > options_.doubtful_bulge &&
-        counter_.count(*found.model, 2.0F) > options_.max_widening * found.score) {
-      return std::nullopt;
-    }
     return found.model;
   }
 
@@ -79,8 +74,26 @@ class PatchFinder {
     return std::abs(plane.normal.dot(p) - plane.distance) < half_thickness(p.z());
   }
 
-  void forget(const Plane& plane) {
-    std::erase_if(samples_, [&](const Sample& s) { return holds(plane, s.point); });
+  /// Whether what lies on the plane ends there, and is no rest of something round whose middle was
+  /// passed over.
+  bool is_flat(const Plane& plane) const {
+    constexpr float edge_on = 0.3F;  // cosine: seen more from the side nothing can be told
+    return std::abs(plane.normal.z()) >= edge_on && !is_rest(plane) &&
+           widening(plane) <= options_.max_widening;
+  }
+
+  /// What lies on a patch is looked at no more.
+  void take(const Plane& plane) {
+    pass_over(plane);
+    taken_.push_back(plane);
+  }
+  /// No other plane is looked for there, but another may still widen to it.
+  void pass_over(const Plane& plane) {
+    std::erase_if(samples_, [&](const Sample& s) {
+      if (!holds(plane, s.point)) return false;
+      passed_.push_back(s.point);
+      return true;
+    });
     fill_counter();
   }
 
@@ -94,29 +107,35 @@ class PatchFinder {
     return static_cast<float>(options_.thickness_constant + options_.thickness_quadratic * z * z);
   }
 
-  /// Curvature of the patch: a paraboloid through the distances from the plane, over pixel
-  /// coordinates that run from -1 to 1 across the patch, in half thicknesses.
-  double bulge(const Plane& plane) const {
-    cv::Point low(map_.labels.cols, map_.labels.rows), high(0, 0);
-    for (const Sample& s : samples_) {
-      if (!holds(plane, s.point)) continue;
-      low = {std::min(low.x, s.pixel.x), std::min(low.y, s.pixel.y)};
-      high = {std::max(high.x, s.pixel.x), std::max(high.y, s.pixel.y)};
+  /// Whether much of what lies on the plane was passed over with another, though not taken.
+  bool is_rest(const Plane& plane) const {
+    constexpr double most = 0.1;
+    int passed = 0;
+    for (const Eigen::Vector3f& p : passed_) passed += holds(plane, p) && !is_taken(p) ? 1 : 0;
+    return passed > most * (passed + counter_.count(plane));
+  }
+
+  bool is_taken(const Eigen::Vector3f& p) const {
+    return std::any_of(taken_.begin(), taken_.end(),
+                       [&](const Plane& plane) { return holds(plane, p); });
+  }
+
+  /// Pixels on the plane at twice the thickness over those at the thickness, of all pixels and not
+  /// of samples, between whose columns the edge of a narrow band would not be seen to move.
+  double widening(const Plane& plane) const {
+    const cv::Rect& box = map_.segments[static_cast<std::size_t>(label_ - 1)].box;
+    int on = 0, about = 0;
+    for (int y = box.y; y < box.y + box.height; ++y) {
+      for (int x = box.x; x < box.x + box.width; ++x) {
+        if (map_.labels.at<int>(y, x) != label_) continue;
+        const Eigen::Vector3f p = view_.point(x, y);
+        const float off = std::abs(plane.normal.dot(p) - plane.distance) / half_thickness(p.z());
+        if (off >= 2.0F || is_taken(p)) continue;
+        ++about;
+        on += off < 1.0F ? 1 : 0;
+      }
     }
-    using Vector6 = Eigen::Matrix<double, 6, 1>;
-    Eigen::Matrix<double, 6, 6> normal_matrix = Eigen::Matrix<double, 6, 6>::Identity() * 1e-6;
-    Vector6 right = Vector6::Zero();
-    for (const Sample& s : samples_) {
-      if (!holds(plane, s.point)) continue;
-      const double x = (2.0 * s.pixel.x - low.x - high.x) / std::max(1, high.x - low.x);
-      const double y = (2.0 * s.pixel.y - low.y - high.y) / std::max(1, high.y - low.y);
-      const double off = (plane.normal.dot(s.point) - plane.distance) / half_thickness(s.point.z());
-      Vector6 row;
-      row << x * x, x * y, y * y, x, y, 1.0;
-      normal_matrix += row * row.transpose();
-      right += row * off;
-    }
-    return normal_matrix.ldlt().solve(right).head<3>().norm();
+    return static_cast<double>(about) / std::max(1, on);
   }
 
   void fill_counter() {
@@ -138,40 +157,58 @@ class PatchFinder {
   const FlatPatchOptions& options_;
   std::mt19937_64 random_;
   std::vector<Sample> samples_;
-  InlierCounter counter_;  // of the samples
+  InlierCounter counter_;                // of the samples
+  std::vector<Eigen::Vector3f> passed_;  // samples that no plane is looked for in any more
+  std::vector<Plane> taken_;
 };
+
+/// The pixels of a segment that lie on a plane in pieces of `min_pixels` at least, CV_8UC1 of its
+/// box's size.
+cv::Mat pieces_on(const Plane& plane, const PatchFinder& finder, const DepthView& view,
+                  const SegmentMap& map, int label, int min_pixels) {
+  const cv::Rect& box = map.segments[static_cast<std::size_t>(label - 1)].box;
+  cv::Mat patch = cv::Mat::zeros(box.size(), CV_8UC1);
+  for (int y = 0; y < box.height; ++y) {
+    for (int x = 0; x < box.width; ++x) {
+      const cv::Point p = cv::Point(x, y) + box.tl();
+      if (map.labels.at<int>(p) != label || !finder.holds(plane, view.point(p.x, p.y))) continue;
+      patch.at<std::uint8_t>(y, x) = 255;
+    }
+  }
+  // Where a plane cuts through a body it leaves stripes: the opening drops them.
+  cv::Mat core, labels, stats, centroids, out = cv::Mat::zeros(box.size(), CV_8UC1);
+  const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {7, 7});
+  cv::morphologyEx(patch, core, cv::MORPH_OPEN, square);
+  const int blobs = cv::connectedComponentsWithStats(core, labels, stats, centroids, 8, CV_16U);
+  for (int b = 1; b < blobs; ++b) {
+    if (stats.at<int>(b, cv::CC_STAT_AREA) < min_pixels) continue;
+    cv::Mat blob = labels == b;
+    cv::dilate(blob, blob, cv::getStructuringElement(cv::MORPH_RECT, {5, 5}));
+    out.setTo(255, blob);
+  }
+  return out;
+}
 
 /// The flat patches of one segment, CV_8UC1 of its box's size; empty when there is none.
 cv::Mat patches_of(const DepthView& view, const SegmentMap& map, int label, int min_pixels,
                    const FlatPatchOptions& options, std::uint64_t seed) {
-  const cv::Rect& box = map.segments[static_cast<std::size_t>(label - 1)].box;
   PatchFinder finder(view, map, label, options, seed);
   cv::Mat out;
   constexpr int pixels_per_sample = 9;
   for (int n = 0; n < options.max_per_segment; ++n) {
     const auto plane = finder.best(std::max(8, min_pixels / pixels_per_sample));
     if (!plane) break;
-    if (out.empty()) out = cv::Mat::zeros(box.size(), CV_8UC1);
-    cv::Mat patch = cv::Mat::zeros(box.size(), CV_8UC1);
-    for (int y = 0; y < box.height; ++y) {
-      for (int x = 0; x < box.width; ++x) {
-        const cv::Point p = cv::Point(x, y) + box.tl();
-        if (map.labels.at<int>(p) != label || !finder.holds(*plane, view.point(p.x, p.y))) continue;
-        patch.at<std::uint8_t>(y, x) = 255;
+    if (finder.is_flat(*plane)) {
+      const cv::Mat pieces = pieces_on(*plane, finder, view, map, label, min_pixels);
+      if (out.empty()) {
+        out = pieces;
+      } else {
+        out |= pieces;
       }
+      finder.take(*plane);
+    } else {
+      finder.pass_over(*plane);
     }
-    // Where a plane cuts through a body it leaves stripes: the opening drops them.
-    cv::Mat core, labels, stats, centroids;
-    const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {7, 7});
-    cv::morphologyEx(patch, core, cv::MORPH_OPEN, square);
-    const int blobs = cv::connectedComponentsWithStats(core, labels, stats, centroids, 8, CV_16U);
-    for (int b = 1; b < blobs; ++b) {
-      if (stats.at<int>(b, cv::CC_STAT_AREA) < min_pixels) continue;
-      cv::Mat blob = labels == b;
-      cv::dilate(blob, blob, cv::getStructuringElement(cv::MORPH_RECT, {5, 5}));
-      out.setTo(255, blob);
-    }
-    finder.forget(*plane);
   }
   return out;
 }

@@ -18,16 +18,14 @@ struct FlatPatchOptions {
   double thickness_quadratic = 0.002;
   /// Beyond this depth, metres, the noise is as large as a body's relief and nothing can be told.
   double max_depth = 2.0;
-  double min_area = 0.03;  ///< square metres facing the camera: a smaller patch may be a sleeve
-  /// Most that a patch may bulge from its middle to its edge, share of its half thickness: a band
-  /// of a rounded body between two parallel planes bulges by twice the half thickness.
-  double max_bulge = 1.0;
-  /// Above this bulge (a Kinect bends a monitor by as much) the patch must end sharply: at twice
-  /// the thickness it holds at most `max_widening` times its pixels, while a body's band widens.
-  double doubtful_bulge = 0.5;
-  double max_widening = 1.08;
+  double min_area = 0.02;  ///< square metres facing the camera: a smaller patch may be a sleeve
+  /// Most pixels that a patch may hold at twice the thickness, times its own. A screen ends
+  /// sharply, while the band that two parallel planes cut out of clothes widens by half and more,
+  /// and out of a smooth round body by the square root of 1.5. How much it bulges tells little: a
+  /// Kinect bends a screen as much as a back.
+  double max_widening = 1.18;
   int iterations = 60;
-  int max_per_segment = 2;
+  int max_per_segment = 4;  ///< that are looked at, flat or not
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound

@@ -13,6 +13,8 @@ void SegmentOptions::describe(OptionList& list) {
   list.add("flat_quadratic", flat_quadratic, at_least(0), "1/metre", "that depth squared adds");
   list.add("flat_area", flat_area, at_least(0), "pixels of the view",
            "smaller pieces are not called flat");
+  list.add("thing_area", thing_area, at_least(0), "square metres",
+           "facing the camera, above which a flat surface is nobody's, even if it moves");
 }
 
 void SegmentOptions::check() const { check_options(*this); }
@@ -24,14 +26,10 @@ void FlatPatchOptions::describe(OptionList& list) {
            "half thickness that depth squared adds");
   list.add("max_depth", max_depth, above(0), "metres", "beyond it nothing can be told");
   list.add("min_area", min_area, at_least(0), "square metres", "facing the camera");
-  list.add("max_bulge", max_bulge, at_least(0), "",
-           "from the middle to the edge, share of the half thickness");
-  list.add("doubtful_bulge", doubtful_bulge, at_least(0), "",
-           "above it the patch must end sharply");
   list.add("max_widening", max_widening, at_least(1), "",
-           "times its pixels at twice the thickness, where it ends sharply");
+           "times its pixels at twice the thickness");
   list.add("iterations", iterations, between(1, 100000), "", "of RANSAC");
-  list.add("max_per_segment", max_per_segment, at_least(0), "", "patches of one surface");
+  list.add("max_per_segment", max_per_segment, at_least(0), "", "looked at in one surface");
 }
 
 void FlatPatchOptions::check() const { check_options(*this); }

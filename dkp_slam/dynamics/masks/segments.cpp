@@ -71,11 +71,16 @@ void find_flat_segments(const DepthView& view, const SegmentOptions& options, Se
       if (map.segments[i].area >= options.flat_area) moments[i].add(view.point(x, y));
     }
   }
+  const cv::Vec2f seen = view.rays.at<cv::Vec2f>(view.rays.rows - 1, view.rays.cols - 1) -
+                         view.rays.at<cv::Vec2f>(0, 0);
+  const double pixel =  // square metres of it, a metre away
+      static_cast<double>(seen[0] * seen[1]) / static_cast<double>(view.rays.total());
   for (std::size_t i = 0; i < moments.size(); ++i) {
     if (moments[i].count < 10) continue;
-    const double z = static_cast<double>(map.segments[i].mean_depth);
-    map.segments[i].flat =
-        moments[i].thickness() < options.flat_constant + options.flat_quadratic * z * z;
+    Segment& s = map.segments[i];
+    const double z = static_cast<double>(s.mean_depth);
+    s.flat = moments[i].thickness() < options.flat_constant + options.flat_quadratic * z * z;
+    s.large = s.flat && s.area * z * z * pixel > options.thing_area;
   }
 }
 

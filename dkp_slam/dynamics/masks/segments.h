@@ -21,6 +21,9 @@ struct SegmentOptions {
   double flat_constant = 0.010;
   double flat_quadratic = 0.0012;
   int flat_area = 300;  ///< pixels of the view: smaller pieces of a body may well be flat
+  /// Square metres facing the camera: a flat surface larger than this is a thing, even where the
+  /// features at the outline of who stands before it make it seem to move.
+  double thing_area = 0.08;
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound
@@ -32,12 +35,15 @@ struct Segment {
   cv::Rect box;             ///< pixels of the view
   float mean_depth = 0.0F;  ///< metres
   bool flat = false;        ///< lies on a plane of its own
+  bool large = false;       ///< flat, and too large to be part of a person
   int moving = 0;           ///< features on it that moved against the static world
   int still = 0;            ///< features on it that did not
 
   /// Enough features say so, and few say otherwise.
   bool proved_moving() const { return moving >= 4 && moving > 2 * still; }
   bool proved_still() const { return still >= 4 && still > 3 * moving; }
+  /// No part of a person.
+  bool thing() const { return flat && (large || !proved_moving()); }
 };
 
 struct SegmentMap {
