@@ -10,6 +10,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/dynamics/masks/object_mask.h"
 #include "dkp_slam/geometry/planes/plane.h"
 #include "dkp_slam/geometry/ransac.h"
 
@@ -70,8 +71,9 @@ class PatchFinder {
     }
   }
 
-  bool holds(const Plane& plane, const Eigen::Vector3f& p) const {
-    return std::abs(plane.normal.dot(p) - plane.distance) < half_thickness(p.z());
+  /// Within `factor` times the half thickness.
+  bool holds(const Plane& plane, const Eigen::Vector3f& p, float factor = 1.0F) const {
+    return std::abs(plane.normal.dot(p) - plane.distance) < factor * half_thickness(p.z());
   }
 
   /// Whether what lies on the plane ends there, and is no rest of something round whose middle was
@@ -84,14 +86,17 @@ class PatchFinder {
 
   /// What lies on a patch is looked at no more.
   void take(const Plane& plane) {
-    pass_over(plane);
+    const auto on_it = [&](const Sample& s) { return holds(plane, s.point); };
+    std::erase_if(samples_, on_it);
+    std::erase_if(passed_, on_it);
     taken_.push_back(plane);
+    fill_counter();
   }
   /// No other plane is looked for there, but another may still widen to it.
   void pass_over(const Plane& plane) {
     std::erase_if(samples_, [&](const Sample& s) {
       if (!holds(plane, s.point)) return false;
-      passed_.push_back(s.point);
+      passed_.push_back(s);
       return true;
     });
     fill_counter();
@@ -107,34 +112,29 @@ class PatchFinder {
     return static_cast<float>(options_.thickness_constant + options_.thickness_quadratic * z * z);
   }
 
-  /// Whether much of what lies on the plane was passed over with another, though not taken.
+  /// Whether much of what lies on the plane was passed over with another.
   bool is_rest(const Plane& plane) const {
     constexpr double most = 0.1;
-    int passed = 0;
-    for (const Eigen::Vector3f& p : passed_) passed += holds(plane, p) && !is_taken(p) ? 1 : 0;
-    return passed > most * (passed + counter_.count(plane));
+    const auto passed = std::count_if(passed_.begin(), passed_.end(),
+                                      [&](const Sample& s) { return holds(plane, s.point); });
+    return static_cast<double>(passed) > most * static_cast<double>(passed + counter_.count(plane));
   }
 
-  bool is_taken(const Eigen::Vector3f& p) const {
-    return std::any_of(taken_.begin(), taken_.end(),
-                       [&](const Plane& plane) { return holds(plane, p); });
-  }
-
-  /// Pixels on the plane at twice the thickness over those at the thickness, of all pixels and not
-  /// of samples, between whose columns the edge of a narrow band would not be seen to move.
+  /// Pixels on the plane at twice the thickness over those at the thickness, but for those that
+  /// were taken; of all pixels and not of samples, between whose columns the edge of a narrow band
+  /// would not be seen to move.
   double widening(const Plane& plane) const {
-    const cv::Rect& box = map_.segments[static_cast<std::size_t>(label_ - 1)].box;
     int on = 0, about = 0;
-    for (int y = box.y; y < box.y + box.height; ++y) {
-      for (int x = box.x; x < box.x + box.width; ++x) {
-        if (map_.labels.at<int>(y, x) != label_) continue;
-        const Eigen::Vector3f p = view_.point(x, y);
-        const float off = std::abs(plane.normal.dot(p) - plane.distance) / half_thickness(p.z());
-        if (off >= 2.0F || is_taken(p)) continue;
-        ++about;
-        on += off < 1.0F ? 1 : 0;
+    for_each_pixel(map_.segments[static_cast<std::size_t>(label_ - 1)].box, [&](int x, int y) {
+      if (map_.labels.at<int>(y, x) != label_) return;
+      const Eigen::Vector3f p = view_.point(x, y);
+      if (!holds(plane, p, 2.0F)) return;
+      for (const Plane& other : taken_) {
+        if (holds(other, p)) return;
       }
-    }
+      ++about;
+      on += holds(plane, p) ? 1 : 0;
+    });
     return static_cast<double>(about) / std::max(1, on);
   }
 
@@ -157,8 +157,8 @@ class PatchFinder {
   const FlatPatchOptions& options_;
   std::mt19937_64 random_;
   std::vector<Sample> samples_;
-  InlierCounter counter_;                // of the samples
-  std::vector<Eigen::Vector3f> passed_;  // samples that no plane is looked for in any more
+  InlierCounter counter_;       // of the samples
+  std::vector<Sample> passed_;  // no plane is looked for in these any more
   std::vector<Plane> taken_;
 };
 
@@ -168,13 +168,11 @@ cv::Mat pieces_on(const Plane& plane, const PatchFinder& finder, const DepthView
                   const SegmentMap& map, int label, int min_pixels) {
   const cv::Rect& box = map.segments[static_cast<std::size_t>(label - 1)].box;
   cv::Mat patch = cv::Mat::zeros(box.size(), CV_8UC1);
-  for (int y = 0; y < box.height; ++y) {
-    for (int x = 0; x < box.width; ++x) {
-      const cv::Point p = cv::Point(x, y) + box.tl();
-      if (map.labels.at<int>(p) != label || !finder.holds(plane, view.point(p.x, p.y))) continue;
-      patch.at<std::uint8_t>(y, x) = 255;
+  for_each_pixel(box, [&](int x, int y) {
+    if (map.labels.at<int>(y, x) == label && finder.holds(plane, view.point(x, y))) {
+      patch.at<std::uint8_t>(y - box.y, x - box.x) = 255;
     }
-  }
+  });
   // Where a plane cuts through a body it leaves stripes: the opening drops them.
   cv::Mat core, labels, stats, centroids, out = cv::Mat::zeros(box.size(), CV_8UC1);
   const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {7, 7});

@@ -43,7 +43,7 @@ struct Segment {
   bool proved_moving() const { return moving >= 4 && moving > 2 * still; }
   bool proved_still() const { return still >= 4 && still > 3 * moving; }
   /// No part of a person.
-  bool thing() const { return flat && (large || !proved_moving()); }
+  bool thing() const { return large || (flat && !proved_moving()); }
 };
 
 struct SegmentMap {

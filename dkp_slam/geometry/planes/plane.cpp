@@ -131,12 +131,12 @@ void InlierCounter::add(const Eigen::Vector3f& point, float tolerance) {
   tolerance_.push_back(tolerance);
 }
 
-int InlierCounter::count(const Plane& plane, float factor) const {
+int InlierCounter::count(const Plane& plane) const {
   const float nx = plane.normal.x(), ny = plane.normal.y(), nz = plane.normal.z();
   int inliers = 0;
   for (std::size_t i = 0; i < x_.size(); ++i) {
     const float off = nx * x_[i] + (ny * y_[i] + nz * z_[i]) - plane.distance;
-    inliers += std::abs(off) < factor * tolerance_[i] ? 1 : 0;
+    inliers += std::abs(off) < tolerance_[i] ? 1 : 0;
   }
   return inliers;
 }

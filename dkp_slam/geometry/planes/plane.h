@@ -51,8 +51,8 @@ PlaneOptions larger_than_people(PlaneOptions options);
 class InlierCounter {
  public:
   void add(const Eigen::Vector3f& point, float tolerance);
-  /// Points nearer to the plane than `factor` times their tolerance.
-  int count(const Plane& plane, float factor = 1.0F) const;
+  /// Points nearer to the plane than their tolerance.
+  int count(const Plane& plane) const;
 
  private:
   std::vector<float> x_, y_, z_, tolerance_;
