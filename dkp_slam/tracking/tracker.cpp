@@ -174,7 +174,6 @@ bool Tracker::track_by_motion(Frame& frame) {
     // from elsewhere are no proof of that.
     constexpr double clearly_more = 1.5;
     Frame other = frame;
-    std::fill(other.landmark.begin(), other.landmark.end(), -1);
     const int more = follow_landmarks(motion_over(passed) * last_.camera_from_world, other);
     if (more > clearly_more * found) {
       frame = std::move(other);
