@@ -24,8 +24,8 @@ struct FlatPatchOptions {
   /// and out of a smooth round body by the square root of 1.5. How much it bulges tells little: a
   /// Kinect bends a screen as much as a back.
   double max_widening = 1.18;
-  int iterations = 60;
-  int max_per_segment = 4;  ///< that are looked at, flat or not
+  int iterations = 150;
+  int max_per_segment = 8;  ///< that are looked at, flat or not
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound

@@ -237,10 +237,9 @@ void FeatureMotionEstimator::refine_ego_motion(const cv::Mat& depth,
                                                const std::vector<cv::Point2f>& points,
                                                const std::vector<std::uint8_t>& support,
                                                FeatureMotion& motion) {
-  const auto refined =
-      refine_motion(camera_, motion_points(depth, points, support, motion),
-                    expect().value_or(ExpectedMotion()),
-                    motion.camera_motion->previous_from_current, options_.motion);
+  const auto refined = refine_motion(camera_, motion_points(depth, points, support, motion),
+                                     expect().value_or(ExpectedMotion()),
+                                     motion.camera_motion->previous_from_current, options_.motion);
   if (!refined) return;
   motion.camera_motion = refined;
   steps_.front().previous_from_this = refined->previous_from_current;

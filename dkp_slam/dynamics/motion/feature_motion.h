@@ -83,8 +83,8 @@ class FeatureMotionEstimator {
   /// already.
   void refine_ego_motion(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                          const std::vector<std::uint8_t>& support, FeatureMotion& motion);
-  /// Measures it from the features flagged `support`; what was measured before stays, unless twice as
-  /// many of them agree with the motion that they tell. Whether it was replaced.
+  /// Measures it from the features flagged `support`; what was measured before stays, unless twice
+  /// as many of them agree with the motion that they tell. Whether it was replaced.
   bool measure_ego_motion_anew(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                                const std::vector<std::uint8_t>& support, std::uint64_t seed,
                                FeatureMotion& motion);

@@ -135,19 +135,20 @@ class MotionSearch {
 
 /// The value below which a share of all lie; reorders them.
 double quantile(std::vector<double>& values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(
-                                       share * static_cast<double>(values.size()));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
-/// Of the points' residuals per axis, pixels, by the lengths of all and of the inliers' alone. The
-/// inliers' are cut off, so that they tell too little where blur, edges that flow slips along and
-/// rows that are read one after the other throw a quarter of a still room off by more.
-double noise_of(std::vector<double>& all, std::vector<double>& inliers, double most) {
+/// Of the points' residuals per axis, pixels, by the lengths of the inliers' and of those within
+/// twice their distance. The inliers' are cut off, so that they tell too little where blur, edges
+/// that flow slips along and rows that are read one after the other throw a quarter of a still room
+/// off by more.
+double noise_of(std::vector<double>& inliers, std::vector<double>& near, double most) {
   constexpr double rayleigh_median = 1.1774, rayleigh_quartile = 1.6651;  // over the sigma per axis
   return std::max(quantile(inliers, 0.5) / rayleigh_median,
-                  std::min(most, quantile(all, 0.75) / rayleigh_quartile));
+                  std::min(most, quantile(near, 0.75) / rayleigh_quartile));
 }
 
 }  // namespace
@@ -168,17 +169,18 @@ std::optional<CameraMotion> refine_motion(const Camera& camera,
   CameraMotion result;
   result.previous_from_current = best;
   const Eigen::Matrix3d rotation = best.rotation.toRotationMatrix();
-  std::vector<double> errors, inliers;
+  std::vector<double> inliers, near;
   for (const MotionPoint* p : all) {
-    errors.push_back(std::sqrt(squared_residual(camera, rotation, best.translation, *p)));
-    if (errors.back() < options.inlier_distance) inliers.push_back(errors.back());
+    const double error = std::sqrt(squared_residual(camera, rotation, best.translation, *p));
+    if (error < options.inlier_distance) inliers.push_back(error);
+    if (error < 2.0 * options.inlier_distance) near.push_back(error);
   }
   result.inliers = static_cast<int>(inliers.size());
   if (result.inliers < options.min_points ||
       result.inliers < options.min_inlier_share * static_cast<double>(all.size())) {
     return std::nullopt;
   }
-  result.noise = noise_of(errors, inliers, options.most_noise);
+  result.noise = noise_of(inliers, near, options.most_noise);
   return result;
 }
 

@@ -25,8 +25,8 @@ struct MotionOptions {
   /// turn from a shift; this can.
   double acceleration = 3.0;
   double angular_acceleration = 12.0;
-  /// The noise that is told by more than the inliers is at most this, pixels: of the other points
-  /// some may really move.
+  /// The noise that points within twice the inlier distance tell is at most this, pixels: of those
+  /// that are no inliers some may really move.
   double most_noise = 1.0;
 
   void describe(OptionList& list);
