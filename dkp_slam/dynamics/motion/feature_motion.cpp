@@ -233,19 +233,6 @@ void FeatureMotionEstimator::measure_ego_motion(const cv::Mat& depth,
   fill_residuals(depth, points, motion);
 }
 
-void FeatureMotionEstimator::refine_ego_motion(const cv::Mat& depth,
-                                               const std::vector<cv::Point2f>& points,
-                                               const std::vector<std::uint8_t>& support,
-                                               FeatureMotion& motion) {
-  const auto refined = refine_motion(camera_, motion_points(depth, points, support, motion),
-                                     expect().value_or(ExpectedMotion()),
-                                     motion.camera_motion->previous_from_current, options_.motion);
-  if (!refined) return;
-  motion.camera_motion = refined;
-  steps_.front().previous_from_this = refined->previous_from_current;
-  fill_residuals(depth, points, motion);
-}
-
 bool FeatureMotionEstimator::measure_ego_motion_anew(const cv::Mat& depth,
                                                      const std::vector<cv::Point2f>& points,
                                                      const std::vector<std::uint8_t>& support,

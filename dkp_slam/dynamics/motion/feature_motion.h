@@ -35,10 +35,6 @@ struct FeatureMotionOptions {
   /// Features outside boxes from which the ego-motion is measured; with fewer, what lies on the
   /// static planes in boxes helps.
   int enough_outside = 150;
-  /// Features in boxes that no mask held in the frame before are, as a rule, of the room, and
-  /// outside the boxes may be a corner of the image that tells little. What was measured there is
-  /// refined with those that are off by no more than this, pixels. 0: with none.
-  double unmasked_distance = 3.0;
   /// Features that are followed outside the boxes of what moves by itself, evenly spread; others
   /// only where some of these move. Flow takes most of removal's time. 0: all of them.
   int followed_outside = 300;
@@ -79,12 +75,8 @@ class FeatureMotionEstimator {
   void measure_ego_motion(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                           const std::vector<std::uint8_t>& low, std::uint64_t seed,
                           FeatureMotion& motion);
-  /// Refines what was measured by the features flagged `support`, most of which must agree with it
-  /// already.
-  void refine_ego_motion(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
-                         const std::vector<std::uint8_t>& support, FeatureMotion& motion);
-  /// Measures it from the features flagged `support`; what was measured before stays, unless twice
-  /// as many of them agree with the motion that they tell. Whether it was replaced.
+  /// The same from the features flagged `support`; what was measured before stays, unless twice as
+  /// many of them agree with the motion that they tell. Whether it was replaced.
   bool measure_ego_motion_anew(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                                const std::vector<std::uint8_t>& support, std::uint64_t seed,
                                FeatureMotion& motion);

@@ -101,28 +101,5 @@ TEST(FeatureMotion, IsMeasuredAnewFromSupportThatTellsAnother) {
   EXPECT_FALSE(estimator.measure_ego_motion_anew(depth, at, room, 1, motion)) << "it is that";
 }
 
-TEST(FeatureMotion, IsRefinedByMoreThatAgreesWithIt) {
-  // What is at the left is a pixel off, as where a motion told by one corner of the image leads.
-  const double shift = 6.0, off = 1.0;
-  const cv::Mat depth(height, width, CV_32FC1, cv::Scalar(wall));
-  const std::vector<cv::Point2f> at = points(40, 40);
-  FeatureMotionEstimator estimator(camera(), {});
-  estimator.track(picture(0, 0), depth, at, {}, {}, 0.0);
-  FeatureMotion motion = estimator.track(picture(shift, shift + off), depth, at, {}, {}, 1 / 30.0);
-  std::vector<std::uint8_t> support(at.size(), 0);
-  std::fill_n(support.begin(), 40, 1);
-  estimator.measure_ego_motion(depth, at, support, 1, motion);
-  ASSERT_TRUE(motion.camera_motion);
-  const auto worst = [&] {
-    return *std::max_element(motion.residual.begin(), motion.residual.end());
-  };
-  EXPECT_GT(worst(), 0.8 * off);
-  estimator.refine_ego_motion(depth, at, std::vector<std::uint8_t>(at.size(), 1), motion);
-  EXPECT_LT(worst(), 0.8 * off);
-  EXPECT_EQ(motion.camera_motion->inliers, 80);
-  EXPECT_TRUE((estimator.current_from_previous() * motion.camera_motion->previous_from_current)
-                  .translation.isZero(1e-9));
-}
-
 }  // namespace
 }  // namespace dkp_slam

@@ -93,20 +93,6 @@ void add_points_on_planes(const DepthView& view, const std::vector<cv::Point2f>&
   }
 }
 
-bool add_unmasked(const FeatureMotion& motion, const cv::Mat& labels_before, double most,
-                  std::vector<std::uint8_t>& flags) {
-  const cv::Rect image(cv::Point(), labels_before.size());
-  bool added = false;
-  for (std::size_t i = 0; i < flags.size(); ++i) {
-    if (flags[i] != 0 || !(motion.residual[i] <= most)) continue;  // NaN for none
-    const cv::Point before(motion.tracks.previous[i]);
-    if (!image.contains(before) || labels_before.at<std::uint8_t>(before) != 0) continue;
-    flags[i] = 1;
-    added = true;
-  }
-  return added;
-}
-
 std::vector<std::uint8_t> planes_left_behind(const DepthView& view,
                                              const std::vector<cv::Point2f>& points,
                                              const std::vector<std::uint8_t>& support,

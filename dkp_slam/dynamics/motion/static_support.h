@@ -33,12 +33,6 @@ void add_points_on_planes(const DepthView& view, const std::vector<cv::Point2f>&
                           const std::vector<Plane>& planes, const PlaneOptions& options,
                           std::vector<std::uint8_t>& flags);
 
-/// Flags points that no mask of the frame before held (`labels_before`, image size, CV_8UC1, 0 for
-/// none) and that are no farther than `most` pixels off the motion that was measured. Whether there
-/// are any but those that were flagged.
-bool add_unmasked(const FeatureMotion& motion, const cv::Mat& labels_before, double most,
-                  std::vector<std::uint8_t>& flags);
-
 /// Flags the points of `support` on planes larger than people, where the motion that the support
 /// told leaves many of its points and half of these behind: somebody in a checked shirt has told
 /// it, not the room. The same where they told none. `moving`: residual, pixels, from which a point

@@ -57,20 +57,6 @@ TEST(StaticSupport, TakesPointsOnAPlaneInBoxesToo) {
   EXPECT_EQ(flags, (Flags{1, 0, 1}));  // on the wall, before it, and what was flagged stays
 }
 
-TEST(StaticSupport, TakesWhatNoMaskHeldBeforeAndWhatHardlyMoves) {
-  const float none = std::numeric_limits<float>::quiet_NaN();
-  cv::Mat labels = cv::Mat::zeros(480, 640, CV_8UC1);
-  labels(cv::Rect(100, 100, 50, 50)) = 2;
-  FeatureMotion motion;
-  motion.tracks.previous = {{50, 50}, {60, 50}, {120, 120}, {70, 50}, {700, 50}, {80, 50}};
-  motion.residual = {1.0F, 3.5F, 1.0F, none, 1.0F, 9.0F};
-  Flags flags{0, 0, 0, 0, 0, 1};
-  EXPECT_TRUE(add_unmasked(motion, labels, 3.0, flags));
-  EXPECT_EQ(flags, (Flags{1, 0, 0, 0, 0, 1}));  // off, masked, not measured, out of view; stays
-  EXPECT_FALSE(add_unmasked(motion, labels, 3.0, flags)) << "nothing new";
-  EXPECT_FALSE(add_unmasked(motion, cv::Mat(), 9.0, flags)) << "no frame before";
-}
-
 /// A wall, in view at the left and the right, 80 features on each side, and 200 on somebody round
 /// between them.
 struct Crowded {
