@@ -133,22 +133,10 @@ class MotionSearch {
   std::vector<const MotionPoint*> scored_;
 };
 
-/// The value below which a share of all lie; reorders them.
-double quantile(std::vector<double>& values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-/// Of the points' residuals per axis, pixels, by the lengths of the inliers' and of those within
-/// twice their distance. The inliers' are cut off, so that they tell too little where blur, edges
-/// that flow slips along and rows that are read one after the other throw a quarter of a still room
-/// off by more.
-double noise_of(std::vector<double>& inliers, std::vector<double>& near, double most) {
-  constexpr double rayleigh_median = 1.1774, rayleigh_quartile = 1.6651;  // over the sigma per axis
-  return std::max(quantile(inliers, 0.5) / rayleigh_median,
-                  std::min(most, quantile(near, 0.75) / rayleigh_quartile));
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 }  // namespace
@@ -168,19 +156,20 @@ std::optional<CameraMotion> refine_motion(const Camera& camera,
   }
   CameraMotion result;
   result.previous_from_current = best;
+  const double limit = options.inlier_distance * options.inlier_distance;
   const Eigen::Matrix3d rotation = best.rotation.toRotationMatrix();
-  std::vector<double> inliers, near;
+  std::vector<double> errors;
   for (const MotionPoint* p : all) {
-    const double error = std::sqrt(squared_residual(camera, rotation, best.translation, *p));
-    if (error < options.inlier_distance) inliers.push_back(error);
-    if (error < 2.0 * options.inlier_distance) near.push_back(error);
+    const double e = squared_residual(camera, rotation, best.translation, *p);
+    if (e < limit) errors.push_back(std::sqrt(e));
   }
-  result.inliers = static_cast<int>(inliers.size());
+  result.inliers = static_cast<int>(errors.size());
   if (result.inliers < options.min_points ||
       result.inliers < options.min_inlier_share * static_cast<double>(all.size())) {
     return std::nullopt;
   }
-  result.noise = noise_of(inliers, near, options.most_noise);
+  constexpr double rayleigh_median = 1.1774;  // of a residual's length over its sigma per axis
+  result.noise = median(errors) / rayleigh_median;
   return result;
 }
 

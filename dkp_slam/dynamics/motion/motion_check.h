@@ -25,9 +25,6 @@ struct MotionOptions {
   /// turn from a shift; this can.
   double acceleration = 3.0;
   double angular_acceleration = 12.0;
-  /// The noise that points within twice the inlier distance tell is at most this, pixels: of those
-  /// that are no inliers some may really move.
-  double most_noise = 1.0;
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound
@@ -43,7 +40,7 @@ struct MotionPoint {
 struct CameraMotion {
   Se3 previous_from_current;
   int inliers = 0;
-  double noise = 0.0;  ///< robust standard deviation of the points' residuals per axis, pixels
+  double noise = 0.0;  ///< robust standard deviation of the inliers' residuals per axis, pixels
 };
 
 /// What is known of a camera's motion before it is measured. Unless told otherwise, nothing.

@@ -59,23 +59,6 @@ TEST(MotionCheck, FindsTheCameraMotionAmongMovers) {
   EXPECT_EQ(movers_right, 120);
 }
 
-TEST(MotionCheck, NoiseIsNotThatOfTheInliersAlone) {
-  auto points = observe(2000, 2000);
-  constexpr double sigma = 1.5;
-  std::mt19937_64 random(17);
-  std::normal_distribution<double> gauss(0.0, sigma);
-  for (auto& p : points) p.previous += Eigen::Vector2d(gauss(random), gauss(random));
-  const auto noise = [&](double most) {
-    MotionOptions options;
-    options.most_noise = most;
-    return estimate_motion(testing::vga_camera(), points, {}, options, 5).value().noise;
-  };
-  EXPECT_NEAR(noise(3.0), sigma, 0.1);
-  EXPECT_NEAR(noise(1.2), 1.2, 1e-9) << "others than inliers may move";
-  // Of a Rayleigh distribution that is cut off at 2 px the median is 1.25.
-  EXPECT_NEAR(noise(0.0), 1.25 / 1.1774, 0.1);
-}
-
 TEST(MotionCheck, SaysNothingWithoutAgreement) {
   EXPECT_FALSE(estimate_motion(testing::vga_camera(), observe(8, 8), {}, {}, 5).has_value());
   std::mt19937_64 random(9);

@@ -28,8 +28,6 @@ void MotionOptions::describe(OptionList& list) {
   list.add("acceleration", acceleration, above(0), "m/s^2", "of a camera in a hand, sigma");
   list.add("angular_acceleration", angular_acceleration, above(0), "rad/s^2",
            "of a camera in a hand, sigma");
-  list.add("most_noise", most_noise, at_least(0), "pixels",
-           "that residuals of others than inliers are taken to show");
 }
 
 void MotionOptions::check() const { check_options(*this); }
