@@ -53,6 +53,7 @@ struct DynamicsModule::State {
                                                const std::vector<cv::Rect2f>& hidden) const;
   void track(const cv::Mat& grey, const DetectionResult& answer, Work& work);
   void listen_to_planes(const std::vector<std::uint8_t>& support, Work& work);
+  void listen_to_unmasked(const std::vector<std::uint8_t>& support, Work& work);
   std::optional<Se3> measure_ego_motion(Work& work);
   void cut_masks(const cv::Mat& grey, Work& work);
   void learn_background(const cv::Mat& grey, const Work& work);
@@ -101,6 +102,17 @@ void DynamicsModule::State::listen_to_planes(const std::vector<std::uint8_t>& su
                                         work.motion);
 }
 
+/// In the boxes, too, most of what no mask holds is of the room.
+void DynamicsModule::State::listen_to_unmasked(const std::vector<std::uint8_t>& support,
+                                               Work& work) {
+  if (!work.motion.camera_motion || !work.motion.from_low_points) return;
+  const std::vector<std::uint8_t> more =
+      unmasked(work.motion, work.points, parts.objects->objects(), previous_labels,
+               options.motion.unmasked_distance);
+  if (std::count(more.begin(), more.end(), 1) == 0) return;
+  parts.motion->refine_ego_motion(work.frame.depth, work.points, support, more, work.motion);
+}
+
 /// The camera at this frame from the one before, when what lies outside the objects can tell.
 std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
   const TraceSpan span("ego-motion");
@@ -117,6 +129,7 @@ std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
   }
   parts.motion->measure_ego_motion(work.frame.depth, work.points, support, work.seed, work.motion);
   listen_to_planes(support, work);
+  if (options.motion.unmasked_distance > 0.0) listen_to_unmasked(support, work);
   parts.planes->move(parts.motion->current_from_previous() * expected.inverse());
   if (parts.follow_some) {
     parts.motion->follow_more(

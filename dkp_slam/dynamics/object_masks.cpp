@@ -35,6 +35,27 @@ void cut_objects(const MaskCutter& cutter, const Scene& scene, StaticBackground*
   objects.drop_duplicates();
 }
 
+std::vector<std::uint8_t> unmasked(const FeatureMotion& motion,
+                                   const std::vector<cv::Point2f>& points,
+                                   const std::vector<ObjectTracker::Tracked>& objects,
+                                   const cv::Mat& labels_before, double most) {
+  const cv::Rect image(cv::Point(), labels_before.size());
+  std::vector<std::uint8_t> flags(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(static_cast<double>(motion.residual[i]) <= most)) continue;  // NaN for none
+    const cv::Point before(motion.tracks.previous[i]);
+    if (!image.contains(before) || labels_before.at<std::uint8_t>(before) != 0) continue;
+    bool in_box = false, known = true;
+    for (const auto& t : objects) {
+      if (!t.object.moves_by_itself || !t.object.box.contains(points[i])) continue;
+      in_box = true;
+      known = known && t.object.named() && !t.mask.empty();
+    }
+    flags[i] = in_box && known ? 1 : 0;
+  }
+  return flags;
+}
+
 cv::Mat paint_labels(const ObjectTracker& tracker, const cv::Size& image) {
   cv::Mat labels = cv::Mat::zeros(image, CV_8UC1);
   const auto& objects = tracker.objects();

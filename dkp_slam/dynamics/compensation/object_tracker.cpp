@@ -296,6 +296,7 @@ ObjectPrior ObjectTracker::prior_of(const Tracked& t) {
   prior.share = t.object.mask_share;
   prior.mask = t.mask;
   prior.shift = view_shift(t);
+  prior.named = t.object.named();
   prior.carried = t.object.compensated && !t.mask.empty();
   return prior;
 }

@@ -134,7 +134,7 @@ int main_candidate(const SegmentMap& surfaces, const std::vector<Candidate>& can
 
 /// Adds the main surface and those that belong to it.
 void paint_surfaces(const Scene& scene, const std::vector<Candidate>& candidates, int main,
-                    const DepthInterval& interval, const ClusteringOptions& options,
+                    const DepthInterval& interval, bool named, const ClusteringOptions& options,
                     ObjectMask& out) {
   const SegmentMap& surfaces = scene.surfaces;
   const int main_area = candidates[static_cast<std::size_t>(main)].in_grown;
@@ -150,7 +150,7 @@ void paint_surfaces(const Scene& scene, const std::vector<Candidate>& candidates
       take[c.segment] = inside ? whole : in_interval;
     } else if (!inside || s.proved_still() || s.thing()) {
       continue;
-    } else if (s.proved_moving()) {
+    } else if (named ? s.proved_surely_moving() : s.proved_moving()) {
       take[c.segment] = whole;  // a second person at another depth
     } else if (interval.holds(s.mean_depth) && (large || known) && c.in_box * 2 > c.in_grown) {
       take[c.segment] = in_interval;
@@ -287,7 +287,7 @@ ObjectMask cluster_object(const Scene& scene, const cv::Rect2f& box, const Objec
                       share > 0.0F ? share : typical_share, options, seed, &out.clusters);
   out.area = outer;
   out.mask = cv::Mat::zeros(out.area.size(), CV_8UC1);
-  paint_surfaces(scene, candidates, main, interval, options, out);
+  paint_surfaces(scene, candidates, main, interval, prior.named, options, out);
   open_mask(options.opening, out.mask);
   add_crumbs(scene, options, out);
   measure_mask(view, inner, out);

@@ -19,7 +19,9 @@ struct ObjectPrior {
   float share = 0.0F;       ///< R; 0 at first sight
   ObjectMask mask;          ///< silhouette in the frame before; empty at first sight
   cv::Point shift;          ///< how far it moved since, pixels of the view
-  bool carried = false;     ///< not detected now: found only where its silhouette went
+  /// A network gave the box, which is one person's; what merely moves may be several.
+  bool named = false;
+  bool carried = false;  ///< not detected now: found only where its silhouette went
 };
 
 /// Surroundings in which objects are cut out, the same for all boxes of a frame.

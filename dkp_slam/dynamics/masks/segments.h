@@ -37,13 +37,19 @@ struct Segment {
   bool flat = false;        ///< lies on a plane of its own
   bool large = false;       ///< flat, and too large to be part of a person
   int moving = 0;           ///< features on it that moved against the static world
-  int still = 0;            ///< features on it that did not
+  int surely_moving = 0;    ///< of those that moved: by more than the ego-motion may be off there
+  int still = 0;            ///< features on it that did not move
 
   /// Enough features say so, and few say otherwise.
-  bool proved_moving() const { return moving >= 4 && moving > 2 * still; }
+  bool proved_moving() const { return proved(moving); }
+  /// The same by those that moved for sure.
+  bool proved_surely_moving() const { return proved(surely_moving); }
   bool proved_still() const { return still >= 4 && still > 3 * moving; }
   /// No part of a person.
   bool thing() const { return large || (flat && !proved_moving()); }
+
+ private:
+  bool proved(int moved) const { return moved >= 4 && moved > 2 * still; }
 };
 
 struct SegmentMap {

@@ -11,6 +11,7 @@ namespace dkp_slam {
 namespace {
 
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+constexpr double typical_depth = 3.0;  // metres: what has no depth is mostly far
 
 /// Nearest and farthest known depth within `reach` pixels; {0, 0} where there is none.
 std::pair<double, double> depths_around(const cv::Mat& depth, const cv::Point2f& p, float reach) {
@@ -106,8 +107,7 @@ std::vector<cv::Point2f> FeatureMotionEstimator::predict(
   std::vector<cv::Point2f> guess = points;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double known = static_cast<double>(depth_at(depth, points[i]));
-    constexpr double typical = 3.0;  // metres: what has no depth is mostly far
-    const double z = known > 0.0 ? known : typical;
+    const double z = known > 0.0 ? known : typical_depth;
     const Eigen::Vector3d q = previous_from_this * camera_.unproject(vector_of(flat[i]), z);
     if (q.z() < camera_.min_depth) continue;
     const Eigen::Vector2d raw = camera_.distort(camera_.project(q));
@@ -133,6 +133,7 @@ FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& 
   motion.seen_then = motion.seen_now;
   motion.followed.assign(points.size(), 0);
   motion.residual.assign(points.size(), unknown);
+  motion.prediction_sigma.assign(points.size(), 0.0F);
   motion.long_residual.assign(points.size(), unknown);
   follow(depth, points, wanted, motion);
   motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
@@ -233,27 +234,50 @@ void FeatureMotionEstimator::measure_ego_motion(const cv::Mat& depth,
   fill_residuals(depth, points, motion);
 }
 
+/// How many of the support agree with the motion.
+int FeatureMotionEstimator::agreeing(const std::vector<std::uint8_t>& support,
+                                     const FeatureMotion& motion) const {
+  int count = 0;
+  for (std::size_t i = 0; i < support.size(); ++i) {
+    const auto off = static_cast<double>(motion.residual[i]);
+    count += support[i] != 0 && off < options_.motion.inlier_distance ? 1 : 0;
+  }
+  return count;
+}
+
 bool FeatureMotionEstimator::measure_ego_motion_anew(const cv::Mat& depth,
                                                      const std::vector<cv::Point2f>& points,
                                                      const std::vector<std::uint8_t>& support,
                                                      std::uint64_t seed, FeatureMotion& motion) {
-  const auto agree = [&](const FeatureMotion& told) {
-    int count = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto off = static_cast<double>(told.residual[i]);
-      count += support[i] != 0 && off < options_.motion.inlier_distance ? 1 : 0;
-    }
-    return count;
-  };
   FeatureMotion anew = motion;
   const std::optional<Se3> before = steps_.front().previous_from_this;
   measure_ego_motion(depth, points, support, seed, anew);
-  if (anew.camera_motion && anew.from_low_points && agree(anew) >= 2 * agree(motion)) {
+  if (anew.camera_motion && anew.from_low_points &&
+      agreeing(support, anew) >= 2 * agreeing(support, motion)) {
     motion = std::move(anew);
     return true;
   }
   steps_.front().previous_from_this = before;
   return false;
+}
+
+bool FeatureMotionEstimator::refine_ego_motion(const cv::Mat& depth,
+                                               const std::vector<cv::Point2f>& points,
+                                               const std::vector<std::uint8_t>& support,
+                                               const std::vector<std::uint8_t>& more,
+                                               FeatureMotion& motion) {
+  std::vector<std::uint8_t> both = support;
+  for (std::size_t i = 0; i < both.size(); ++i) both[i] |= more[i];
+  FeatureMotion anew = motion;
+  anew.camera_motion = refine_motion(camera_, motion_points(depth, points, both, anew),
+                                     expect().value_or(ExpectedMotion()),
+                                     motion.camera_motion->previous_from_current, options_.motion);
+  if (!anew.camera_motion) return false;
+  fill_residuals(depth, points, anew);
+  if (agreeing(support, anew) < agreeing(support, motion)) return false;
+  motion = std::move(anew);
+  steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
+  return true;
 }
 
 void FeatureMotionEstimator::fill_residuals(const cv::Mat& depth,
@@ -265,6 +289,11 @@ void FeatureMotionEstimator::fill_residuals(const cv::Mat& depth,
     const cv::Point2f flow = motion.then[i] - motion.now[i];
     motion.residual[i] = static_cast<float>(
         residual_at(depth, points[i], motion.now[i], motion.then[i], flow, previous_from_this));
+    const auto known = static_cast<double>(depth_at(depth, points[i]));
+    const Eigen::Vector3d point =
+        camera_.unproject(vector_of(motion.now[i]), known > 0.0 ? known : typical_depth);
+    motion.prediction_sigma[i] = static_cast<float>(
+        options_.feature_sigma * prediction_sigma(camera_, *motion.camera_motion, point));
   }
 }
 

@@ -35,6 +35,14 @@ struct FeatureMotionOptions {
   /// Features outside boxes from which the ego-motion is measured; with fewer, what lies on the
   /// static planes in boxes helps.
   int enough_outside = 150;
+  /// Features in boxes that no mask held in the frame before are, as a rule, of the room, while
+  /// outside the boxes may be a corner of the image that tells little. What was measured there is
+  /// refined with those that are off by no more than this, pixels; 0: with none.
+  double unmasked_distance = 3.0;
+  /// Sigma of what one feature tells about the ego-motion, pixels. Several times the noise of its
+  /// flow: blur, rows read one after the other and depth put near ones off together, so that many
+  /// in a corner tell little more than a few.
+  double feature_sigma = 4.0;
   /// Features that are followed outside the boxes of what moves by itself, evenly spread; others
   /// only where some of these move. Flow takes most of removal's time. 0: all of them.
   int followed_outside = 300;
@@ -50,8 +58,10 @@ struct FeatureMotion {
   std::vector<cv::Point2f> seen_now, seen_then;  ///< undistorted pixels
   std::vector<cv::Point2f> now, then;            ///< the same, as a global shutter would see them
   std::optional<CameraMotion> camera_motion;
-  bool from_low_points = false;      ///< camera_motion rests on what lies outside the boxes alone
-  std::vector<float> residual;       ///< pixels off the static prediction, NaN where unknown
+  bool from_low_points = false;  ///< camera_motion rests on what lies outside the boxes alone
+  std::vector<float> residual;   ///< pixels off the static prediction, NaN where unknown
+  /// Sigma of the static prediction per axis for what the ego-motion is not sure of, pixels.
+  std::vector<float> prediction_sigma;
   std::vector<float> long_residual;  ///< the same over the long baseline
 };
 
@@ -80,6 +90,11 @@ class FeatureMotionEstimator {
   bool measure_ego_motion_anew(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                                const std::vector<std::uint8_t>& support, std::uint64_t seed,
                                FeatureMotion& motion);
+  /// Refines the ego-motion by the features flagged `support` and those flagged `more`; what was
+  /// measured before stays where fewer of the support agree then. Whether it was refined.
+  bool refine_ego_motion(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                         const std::vector<std::uint8_t>& support,
+                         const std::vector<std::uint8_t>& more, FeatureMotion& motion);
   /// Follows those of the `wanted` features that `track` left out, after the ego-motion, with their
   /// residuals.
   void follow_more(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
@@ -103,6 +118,7 @@ class FeatureMotionEstimator {
                                          FeatureMotion& motion) const;
   bool follow(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
               const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;
+  int agreeing(const std::vector<std::uint8_t>& support, const FeatureMotion& motion) const;
   void fill_residuals(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                       FeatureMotion& motion) const;
   Vector6d velocity_at(std::size_t step) const;

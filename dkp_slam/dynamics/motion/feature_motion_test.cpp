@@ -101,5 +101,57 @@ TEST(FeatureMotion, IsMeasuredAnewFromSupportThatTellsAnother) {
   EXPECT_FALSE(estimator.measure_ego_motion_anew(depth, at, room, 1, motion)) << "it is that";
 }
 
+TEST(FeatureMotion, IsRefinedByMoreThatAgreesWithIt) {
+  // What is at the left is a pixel off, as where a motion told by one corner of the image leads.
+  const double shift = 6.0, off = 1.0;
+  const cv::Mat depth(height, width, CV_32FC1, cv::Scalar(wall));
+  const std::vector<cv::Point2f> at = points(40, 40);
+  FeatureMotionEstimator estimator(camera(), {});
+  estimator.track(picture(0, 0), depth, at, {}, {}, 0.0);
+  FeatureMotion motion = estimator.track(picture(shift, shift + off), depth, at, {}, {}, 1 / 30.0);
+  std::vector<std::uint8_t> support(at.size(), 0), more(at.size(), 1);
+  std::fill_n(support.begin(), 40, 1);
+  std::fill_n(more.begin(), 40, 0);
+  estimator.measure_ego_motion(depth, at, support, 1, motion);
+  ASSERT_TRUE(motion.camera_motion);
+  const auto worst = [&] {
+    return *std::max_element(motion.residual.begin(), motion.residual.end());
+  };
+  EXPECT_GT(worst(), 0.8 * off);
+  EXPECT_TRUE(estimator.refine_ego_motion(depth, at, support, more, motion));
+  EXPECT_LT(worst(), 0.8 * off);
+  EXPECT_EQ(motion.camera_motion->inliers, 80);
+  EXPECT_TRUE((estimator.current_from_previous() * motion.camera_motion->previous_from_current)
+                  .translation.isZero(1e-9));
+}
+
+TEST(FeatureMotion, IsNotRefinedByThoseWhoPullItOffItsSupport) {
+  // All over the image three features to one of the support are off by 2.3 pixels, as on somebody
+  // who walks slowly and whom the masks have missed.
+  const double shift = 6.0;
+  const cv::Mat depth(height, width, CV_32FC1, cv::Scalar(wall));
+  const std::vector<cv::Point2f> at = points(56, 56);
+  FeatureMotionOptions options;
+  options.min_low_points = 20;
+  FeatureMotionEstimator estimator(camera(), options);
+  estimator.track(picture(0, 0), depth, at, {}, {}, 0.0);
+  FeatureMotion motion = estimator.track(picture(shift, shift), depth, at, {}, {}, 1 / 30.0);
+  std::vector<std::uint8_t> support(at.size(), 0), more(at.size(), 1);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (i % 4 == 0) {
+      support[i] = 1;
+      more[i] = 0;
+    } else {
+      motion.then[i].x += 2.3F;
+    }
+  }
+  estimator.measure_ego_motion(depth, at, support, 1, motion);
+  ASSERT_TRUE(motion.camera_motion && motion.from_low_points);
+  const Se3 before = motion.camera_motion->previous_from_current;
+  EXPECT_FALSE(estimator.refine_ego_motion(depth, at, support, more, motion));
+  EXPECT_TRUE((before * motion.camera_motion->previous_from_current.inverse()).log().isZero(1e-12));
+  EXPECT_TRUE((estimator.current_from_previous() * before).log().isZero(1e-9));
+}
+
 }  // namespace
 }  // namespace dkp_slam

@@ -29,12 +29,32 @@ Vector6d off(const ExpectedMotion& expected, const Se3& motion) {
   return (motion * expected.previous_from_current.inverse()).log();
 }
 
-/// One Gauss-Newton step on weighted reprojection errors; weight of a residual by Tukey's biweight
-/// with the given cut (pixels), 1 for an infinite one. False when the points do not fix the motion.
-bool gauss_newton_step(const Camera& camera, std::span<const MotionPoint* const> points, double cut,
-                       const ExpectedMotion& expected, Se3& motion) {
+/// Of a point's pixel (u, v) by the left tangent of the motion that brought it to `q`.
+struct PixelJacobian {
+  Vector6d u, v;
+};
+
+PixelJacobian pixel_jacobian(const Camera& camera, const Eigen::Vector3d& q) {
+  const double iz = 1.0 / q.z();
+  const double a = camera.fx * iz, b = -camera.fx * q.x() * iz * iz;
+  const double c = camera.fy * iz, d = -camera.fy * q.y() * iz * iz;
+  // Left update exp(delta) * motion: d q / d delta = [I, -skew(q)].
+  PixelJacobian j;
+  j.u << a, 0.0, b, b * q.y(), a * q.z() - b * q.x(), -a * q.y();
+  j.v << 0.0, c, d, -c * q.z() + d * q.y(), -d * q.x(), c * q.x();
+  return j;
+}
+
+struct NormalEquations {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
+};
+
+/// Of weighted reprojection errors and of what is expected; weight of a residual by Tukey's
+/// biweight with the given cut (pixels), 1 for an infinite one.
+NormalEquations normal_equations(const Camera& camera, std::span<const MotionPoint* const> points,
+                                 double cut, const ExpectedMotion& expected, const Se3& motion) {
+  NormalEquations sum;
   const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
   for (const MotionPoint* p : points) {
     const Eigen::Vector3d q = rotation * p->point + motion.translation;
@@ -46,22 +66,23 @@ bool gauss_newton_step(const Camera& camera, std::span<const MotionPoint* const>
       if (r >= 1.0) continue;
       weight = (1.0 - r) * (1.0 - r);
     }
-    const double iz = 1.0 / q.z();
-    const double a = camera.fx * iz, b = -camera.fx * q.x() * iz * iz;
-    const double c = camera.fy * iz, d = -camera.fy * q.y() * iz * iz;
-    // Left update exp(delta) * motion: d q / d delta = [I, -skew(q)].
-    Vector6d u, v;
-    u << a, 0.0, b, b * q.y(), a * q.z() - b * q.x(), -a * q.y();
-    v << 0.0, c, d, -c * q.z() + d * q.y(), -d * q.x(), c * q.x();
-    hessian.noalias() += weight * (u * u.transpose() + v * v.transpose());
-    gradient.noalias() += weight * (u * error.x() + v * error.y());
+    const auto [u, v] = pixel_jacobian(camera, q);
+    sum.hessian.noalias() += weight * (u * u.transpose() + v * v.transpose());
+    sum.gradient.noalias() += weight * (u * error.x() + v * error.y());
   }
-  hessian.diagonal() += information(expected);
-  gradient += information(expected).cwiseProduct(off(expected, motion));
-  hessian.diagonal().array() += 1e-9;
-  const Eigen::LDLT<Matrix6d> solver(hessian);
+  sum.hessian.diagonal() += information(expected);
+  sum.gradient += information(expected).cwiseProduct(off(expected, motion));
+  sum.hessian.diagonal().array() += 1e-9;
+  return sum;
+}
+
+/// One Gauss-Newton step; false when the points do not fix the motion.
+bool gauss_newton_step(const Camera& camera, std::span<const MotionPoint* const> points, double cut,
+                       const ExpectedMotion& expected, Se3& motion) {
+  const NormalEquations sum = normal_equations(camera, points, cut, expected, motion);
+  const Eigen::LDLT<Matrix6d> solver(sum.hessian);
   if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
-  const Vector6d step = -solver.solve(gradient);
+  const Vector6d step = -solver.solve(sum.gradient);
   constexpr double wild = 1.0;  // metre or radian: not between two frames
   if (!step.allFinite() || step.norm() > wild) return false;
   motion = Se3::exp(step) * motion;
@@ -170,6 +191,9 @@ std::optional<CameraMotion> refine_motion(const Camera& camera,
   }
   constexpr double rayleigh_median = 1.1774;  // of a residual's length over its sigma per axis
   result.noise = median(errors) / rayleigh_median;
+  result.covariance = normal_equations(camera, all, options.inlier_distance, expected, best)
+                          .hessian.ldlt()
+                          .solve(Matrix6d::Identity());
   return result;
 }
 
@@ -183,6 +207,14 @@ std::optional<CameraMotion> estimate_motion(const Camera& camera,
   const double of_guess = search.score(guess, -std::numeric_limits<double>::infinity());
   const Se3 best = *ransac<Se3>(search, options.iterations, of_guess, std::optional(guess)).model;
   return refine_motion(camera, points, expected, best, options);
+}
+
+double prediction_sigma(const Camera& camera, const CameraMotion& motion,
+                        const Eigen::Vector3d& point) {
+  const Eigen::Vector3d q = motion.previous_from_current * point;
+  if (q.z() < min_z) return 0.0;
+  const auto [u, v] = pixel_jacobian(camera, q);
+  return std::sqrt(0.5 * (u.dot(motion.covariance * u) + v.dot(motion.covariance * v)));
 }
 
 double motion_residual(const Camera& camera, const Se3& previous_from_current,

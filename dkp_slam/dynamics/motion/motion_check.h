@@ -41,6 +41,8 @@ struct CameraMotion {
   Se3 previous_from_current;
   int inliers = 0;
   double noise = 0.0;  ///< robust standard deviation of the inliers' residuals per axis, pixels
+  /// Of the left tangent (metres, radians), each point's sigma taken for one pixel per axis.
+  Matrix6d covariance = Matrix6d::Zero();
 };
 
 /// What is known of a camera's motion before it is measured. Unless told otherwise, nothing.
@@ -64,6 +66,12 @@ std::optional<CameraMotion> refine_motion(const Camera& camera,
                                           const std::vector<MotionPoint>& points,
                                           const ExpectedMotion& expected, const Se3& start,
                                           const MotionOptions& options);
+
+/// Sigma per axis, pixels, of where the motion takes a static point (current camera frame, metres)
+/// in the earlier frame, by its covariance: small among the points that told the motion, large far
+/// from them. 0 when that lies behind the camera.
+double prediction_sigma(const Camera& camera, const CameraMotion& motion,
+                        const Eigen::Vector3d& point);
 
 /// Distance, pixels, between where flow found the point and where a static point would have been.
 /// NaN when that lies behind the camera.

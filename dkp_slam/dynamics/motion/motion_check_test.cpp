@@ -59,6 +59,45 @@ TEST(MotionCheck, FindsTheCameraMotionAmongMovers) {
   EXPECT_EQ(movers_right, 120);
 }
 
+TEST(MotionCheck, SaysHowSureItIsOfWhereAPointGoes) {
+  // Points in a corner of the image, whose flow is off by a pixel per axis: over many draws the
+  // prediction scatters as it is told to, little among them and much in the corner opposite.
+  const Camera camera = testing::vga_camera();
+  const Eigen::Vector3d near = camera.unproject({100.0, 380.0}, 1.2);
+  const Eigen::Vector3d opposite = camera.unproject({580.0, 60.0}, 2.0);
+  std::mt19937_64 random(23);
+  std::normal_distribution<double> pixel(0.0, 1.0);
+  MotionOptions options;
+  options.inlier_distance = 20.0;  // all count, nearly in full
+  constexpr int draws = 200;
+  double told_near = 0, told_opposite = 0, seen_near = 0, seen_opposite = 0;
+  for (int k = 0; k < draws; ++k) {
+    std::vector<MotionPoint> points;
+    for (int i = 0; i < 60; ++i) {
+      MotionPoint p;
+      p.point = camera.unproject({uniform(random, 20, 180), uniform(random, 300, 460)},
+                                 uniform(random, 0.8, 1.6));
+      p.previous =
+          camera.project(known_motion() * p.point) + Eigen::Vector2d(pixel(random), pixel(random));
+      points.push_back(p);
+    }
+    const auto motion = refine_motion(camera, points, {}, known_motion(), options);
+    ASSERT_TRUE(motion);
+    const auto off2 = [&](const Eigen::Vector3d& p) {  // per axis
+      return 0.5 * (camera.project(motion->previous_from_current * p) -
+                    camera.project(known_motion() * p))
+                       .squaredNorm();
+    };
+    told_near += prediction_sigma(camera, *motion, near) / draws;
+    told_opposite += prediction_sigma(camera, *motion, opposite) / draws;
+    seen_near += off2(near) / draws;
+    seen_opposite += off2(opposite) / draws;
+  }
+  EXPECT_NEAR(told_near / std::sqrt(seen_near), 1.0, 0.15);
+  EXPECT_NEAR(told_opposite / std::sqrt(seen_opposite), 1.0, 0.15);
+  EXPECT_GT(told_opposite, 5.0 * told_near);
+}
+
 TEST(MotionCheck, SaysNothingWithoutAgreement) {
   EXPECT_FALSE(estimate_motion(testing::vga_camera(), observe(8, 8), {}, {}, 5).has_value());
   std::mt19937_64 random(9);

@@ -1,6 +1,7 @@
 #include "dkp_slam/dynamics/motion/moving_surfaces.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace dkp_slam {
 
@@ -14,11 +15,14 @@ void MovingSurfaces::judge(const std::vector<cv::Point2f>& points, const Feature
                            SegmentMap& surfaces) const {
   // A shaking camera makes everything less certain: thresholds follow the static points' own noise.
   const auto noise = static_cast<float>(motion.camera_motion ? motion.camera_motion->noise : 0.0);
-  const float moving_short = std::max(options_.moving_short, options_.noise_factor * noise);
-  const float moving_long = std::max(options_.moving_long, options_.noise_factor * noise);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float short_residual = motion.residual[i], long_residual = motion.long_residual[i];
-    const bool moves = short_residual > moving_short || long_residual > moving_long;
+    const auto beyond = [&](float sigma) {
+      const float least = options_.noise_factor * sigma;
+      return short_residual > std::max(options_.moving_short, least) ||
+             long_residual > std::max(options_.moving_long, least);
+    };
+    const bool moves = beyond(noise);
     const bool rests = !moves && long_residual < options_.still_long;
     if (!moves && !rests) continue;
     const int index = segment_near(surfaces, cvRound(points[i].x) / DepthView::step,
@@ -26,6 +30,7 @@ void MovingSurfaces::judge(const std::vector<cv::Point2f>& points, const Feature
     if (index < 0) continue;
     Segment& segment = surfaces.segments[static_cast<std::size_t>(index)];
     ++(moves ? segment.moving : segment.still);
+    if (moves && beyond(std::hypot(noise, motion.prediction_sigma[i]))) ++segment.surely_moving;
   }
 }
 

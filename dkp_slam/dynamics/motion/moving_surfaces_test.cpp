@@ -32,6 +32,7 @@ struct Features {
         points.emplace_back(float(100 + 320 * side), float(110 + 10 * i));
         motion.residual.push_back(side == 0 ? left : right);
         motion.long_residual.push_back(side == 0 ? long_left : long_right);
+        motion.prediction_sigma.push_back(0.0F);
       }
     }
   }
@@ -60,6 +61,16 @@ TEST(MovingSurfaces, ANoisyFrameProvesLess) {
   f.motion.camera_motion = CameraMotion{};
   f.motion.camera_motion->noise = 1.0;  // four sigma are 4 px
   EXPECT_FALSE(judged(surfaces, f).segments[0].proved_moving());
+}
+
+TEST(MovingSurfaces, WhatTheEgoMotionIsNotSureOfMovesButNotForSure) {
+  const MovingSurfaces surfaces({});
+  Features f(3.0F, 0.2F);
+  EXPECT_TRUE(judged(surfaces, f).segments[0].proved_surely_moving());
+  std::fill(f.motion.prediction_sigma.begin(), f.motion.prediction_sigma.end(), 1.0F);
+  const Segment left = judged(surfaces, f).segments[0];
+  EXPECT_TRUE(left.proved_moving());
+  EXPECT_FALSE(left.proved_surely_moving());  // four sigma are 4 px
 }
 
 TEST(MovingSurfaces, AreFoundOnceTheyHaveKeptMoving) {

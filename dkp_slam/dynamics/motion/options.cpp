@@ -49,6 +49,10 @@ void FeatureMotionOptions::describe(OptionList& list) {
            "outside the boxes; with fewer all points give the camera's motion");
   list.add("enough_outside", enough_outside, at_least(0), "",
            "features outside the boxes; with fewer those on static planes help");
+  list.add("unmasked_distance", unmasked_distance, at_least(0), "pixels",
+           "that a feature in a named box that no mask held may be off to help; 0: none helps");
+  list.add("feature_sigma", feature_sigma, at_least(0), "pixels",
+           "of what one feature tells about the camera's motion");
   list.add("followed_outside", followed_outside, at_least(0), "",
            "features followed outside the boxes of what moves by itself; 0: all");
   list.order("min_lag_pixels", "max_lag_pixels");
