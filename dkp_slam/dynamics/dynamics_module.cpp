@@ -167,7 +167,10 @@ void DynamicsModule::State::cut_masks(const cv::Mat& grey, Work& work) {
   }
   Scene scene = parts.masks->scene(
       work.view, parts.planes ? parts.planes->planes() : std::vector<Plane>(), work.seed);
-  if (parts.surfaces) parts.surfaces->judge(work.points, work.motion, scene.surfaces);
+  if (parts.surfaces) {
+    parts.motion->fill_prediction_sigma(work.frame.depth, work.points, work.motion);
+    parts.surfaces->judge(work.points, work.motion, scene.surfaces);
+  }
   cut_objects(*parts.masks, scene, parts.background.get(), grey, work.seed, *parts.objects);
   if (parts.surfaces) {
     std::vector<ObjectMask> held;

@@ -147,34 +147,43 @@ TEST(Clustering, AFlatThingTooLargeForAPersonIsNoneThoughItsFeaturesMove) {
   EXPECT_GT(room.iou(cluster_object(scene, box, {}, options, 1)), 0.9);
 }
 
+/// Two people at different depths, at columns 275 and 380, in one box.
+class TwoInABox {
+ public:
+  TwoInABox() {
+    room_.add_person({220, 90, 110, 370}, 1.6F);
+    room_.add_person({335, 110, 90, 300}, 2.6F);
+    scene = room_.scene(box_, {});
+  }
+  /// Of the box's mask and both of them.
+  double iou(const ObjectPrior& prior = {}) const {
+    return room_.iou(cluster_object(scene, box_, prior, {}, 1));
+  }
+  Scene scene;
+
+ private:
+  Room room_;
+  cv::Rect2f box_{210, 80, 225, 390};
+};
+
 TEST(Clustering, TakesASecondMoverAtAnotherDepthIntoTheBox) {
-  Room room;
-  room.add_person({220, 90, 110, 370}, 1.6F);
-  room.add_person({335, 110, 90, 300}, 2.6F);
-  const cv::Rect2f box(210, 80, 225, 390);
-  const ClusteringOptions options;
-  Scene scene = room.scene(box, options);
-  EXPECT_LT(room.iou(cluster_object(scene, box, {}, options, 1)), 0.75);
-  ASSERT_NO_FATAL_FAILURE((let_move(scene, {275, 380})));
-  EXPECT_GT(room.iou(cluster_object(scene, box, {}, options, 1)), 0.9);
+  TwoInABox two;
+  EXPECT_LT(two.iou(), 0.75);
+  ASSERT_NO_FATAL_FAILURE((let_move(two.scene, {275, 380})));
+  EXPECT_GT(two.iou(), 0.9);
 }
 
 TEST(Clustering, TakesASecondMoverIntoANamedPersonsBoxOnlyWhenItMovesForSure) {
   // Where the ego-motion is not sure a static thing moves as well as somebody; and to a box that no
   // network gave the second may be the one it is about.
-  Room room;
-  room.add_person({220, 90, 110, 370}, 1.6F);
-  room.add_person({335, 110, 90, 300}, 2.6F);
-  const cv::Rect2f box(210, 80, 225, 390);
-  const ClusteringOptions options;
+  TwoInABox two;
   ObjectPrior named;
   named.named = true;
-  Scene scene = room.scene(box, options);
-  ASSERT_NO_FATAL_FAILURE((let_move(scene, {275, 380}, 0)));
-  EXPECT_LT(room.iou(cluster_object(scene, box, named, options, 1)), 0.75);
-  EXPECT_GT(room.iou(cluster_object(scene, box, {}, options, 1)), 0.9);
-  ASSERT_NO_FATAL_FAILURE((let_move(scene, {275, 380})));
-  EXPECT_GT(room.iou(cluster_object(scene, box, named, options, 1)), 0.9);
+  ASSERT_NO_FATAL_FAILURE((let_move(two.scene, {275, 380}, 0)));
+  EXPECT_LT(two.iou(named), 0.75);
+  EXPECT_GT(two.iou(), 0.9);
+  ASSERT_NO_FATAL_FAILURE((let_move(two.scene, {275, 380})));
+  EXPECT_GT(two.iou(named), 0.9);
 }
 
 TEST(Clustering, FollowsThePriorRatherThanTheLargest) {

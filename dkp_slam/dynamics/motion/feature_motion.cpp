@@ -289,6 +289,15 @@ void FeatureMotionEstimator::fill_residuals(const cv::Mat& depth,
     const cv::Point2f flow = motion.then[i] - motion.now[i];
     motion.residual[i] = static_cast<float>(
         residual_at(depth, points[i], motion.now[i], motion.then[i], flow, previous_from_this));
+  }
+}
+
+void FeatureMotionEstimator::fill_prediction_sigma(const cv::Mat& depth,
+                                                   const std::vector<cv::Point2f>& points,
+                                                   FeatureMotion& motion) const {
+  if (!motion.camera_motion) return;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (motion.tracks.tracked[i] == 0) continue;
     const auto known = static_cast<double>(depth_at(depth, points[i]));
     const Eigen::Vector3d point =
         camera_.unproject(vector_of(motion.now[i]), known > 0.0 ? known : typical_depth);

@@ -100,6 +100,11 @@ class FeatureMotionEstimator {
   void follow_more(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                    const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;
 
+  /// Fills `prediction_sigma` of the features that were tracked; last, as the ego-motion may be
+  /// measured anew.
+  void fill_prediction_sigma(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                             FeatureMotion& motion) const;
+
   /// Fills `long_residual` of the features flagged `wanted` that have a depth.
   void look_back(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                  const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;
