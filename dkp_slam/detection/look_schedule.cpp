@@ -33,8 +33,8 @@ void LookOptions::describe(OptionList& list) {
            "share of the image from which on it looks at every one");
   list.add(
       "nearer", nearer, between(0, 1), "",
-      "share of the image that has come nearer since the one before, from which on it looks at "
-      "once");
+      "share of the image that is nearer than all about it was in the one before, from which on it "
+      "looks at once");
 }
 
 void LookOptions::check() const { check_options(*this); }

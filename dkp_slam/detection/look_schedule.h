@@ -19,8 +19,8 @@ struct LookOptions {
   /// image; every second one at 30 Hz. 0: every image.
   double interval = 0.05;
   double many = 0.15;
-  /// Share of the image that comes nearer from one image to the next by more than a hand moves the
-  /// camera: somebody steps into the view, and it looks at once.
+  /// Share of the image that is nearer than all that lay about it in the image before: somebody
+  /// steps into the view, and it looks at once.
   double nearer = startling_share;
 
   void describe(OptionList& list);

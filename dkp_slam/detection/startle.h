@@ -6,9 +6,9 @@
 
 namespace dkp_slam {
 
-/// Share of an image that comes nearer from one image to the next, by more than a hand moves the
-/// camera, from which on somebody has stepped into the view.
-inline constexpr double startling_share = 0.08;
+/// Share of an image that is nearer than all that lay about it in the image before, from which on
+/// somebody has stepped into the view.
+inline constexpr double startling_share = 0.02;
 
 /// Tells the images of which those before say little: somebody may be there who was not.
 class Startle {
@@ -26,7 +26,7 @@ class Startle {
   bool somebody_came(double time, const cv::Mat& depth);
 
   double least_;
-  cv::Mat before_;               // depth of the image before, every 16th pixel
+  cv::Mat before_;               // depth of the image before, a grid of 40 columns
   std::optional<double> came_;   // seconds, when enough had come nearer
   std::optional<double> last_;   // seconds, of the image before
   std::optional<double> began_;  // seconds, of the first after the last gap

@@ -21,11 +21,26 @@ Startle used_to(const cv::Mat& depth) {
 
 TEST(Startle, SomebodyWhoStepsIn) {
   Startle startle = used_to(room(0.0));
-  EXPECT_FALSE(startle.by(0.033, room(0.05)));
+  cv::Mat hand = room(0.0);
+  hand(cv::Rect(300, 200, 60, 60)).setTo(1.0);  // a hundredth
+  EXPECT_FALSE(startle.by(0.033, hand));
   EXPECT_TRUE(startle.by(0.067, room(0.2)));
   EXPECT_TRUE(startle.by(0.1, room(0.2)));     // a colour image may be late
   EXPECT_FALSE(startle.by(0.167, room(0.2)));  // who is there already
   EXPECT_FALSE(startle.by(0.2, room(0.0)));    // or leaves
+}
+
+/// Posts at 1 m before a wall at 3 m, by up to 30 pixels from where they were.
+TEST(Startle, WhatATurningCameraMovesIsNobody) {
+  const auto turned = [](int pixels) {
+    cv::Mat depth = room(0.0);
+    for (int x = 0; x < depth.cols; x += 80) {
+      depth.colRange(x + pixels, x + pixels + 40).setTo(1.0);
+    }
+    return depth;
+  };
+  Startle startle = used_to(turned(0));
+  for (int i = 1; i <= 10; ++i) EXPECT_FALSE(startle.by(i / 30.0, turned(i % 2 == 0 ? 0 : 30)));
 }
 
 TEST(Startle, TheShareThatIsGiven) {
