@@ -1,6 +1,7 @@
 #include "dkp_slam/detection/startle.h"
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 namespace dkp_slam {
 namespace {
@@ -41,6 +42,19 @@ TEST(Startle, WhatATurningCameraMovesIsNobody) {
   };
   Startle startle = used_to(turned(0));
   for (int i = 1; i <= 10; ++i) EXPECT_FALSE(startle.by(i / 30.0, turned(i % 2 == 0 ? 0 : 30)));
+}
+
+TEST(Startle, ImagesOfOtherSizes) {
+  for (const cv::Size size : {cv::Size(320, 240), cv::Size(1280, 720), cv::Size(24, 18)}) {
+    const auto resized = [&size](const cv::Mat& depth) {
+      cv::Mat other;
+      cv::resize(depth, other, size, 0, 0, cv::INTER_NEAREST);
+      return other;
+    };
+    Startle startle = used_to(resized(room(0.0)));
+    EXPECT_FALSE(startle.by(0.033, resized(room(0.0)))) << size;
+    EXPECT_TRUE(startle.by(0.067, resized(room(0.2)))) << size;
+  }
 }
 
 TEST(Startle, TheShareThatIsGiven) {
