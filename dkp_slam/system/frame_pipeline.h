@@ -43,14 +43,13 @@ inline constexpr int room_before_answer = 2 * line_capacity + 2;
 /// Offline the stages form a line (features, detections) through queues of one frame, so every
 /// frame gets its own detections and the result does not depend on timing. Live the detector works
 /// beside the line, on the newest frame, and frames that come too fast are dropped, the oldest
-/// first. A frame into which somebody may have stepped (the first, after a gap, or much has come
-/// nearer) waits for its own answer, 50 ms at most: without it people would be the room.
+/// first. A frame into which somebody may have stepped (the first, after a gap, or much is nearer
+/// than all about it was) waits for its own answer, 50 ms at most: else people would be the room.
 ///
 /// A detector that throws is not called again; frames go on without detections.
 class FramePipeline {
  public:
-  /// `detector` may be null. `startling`: share of an image that comes nearer when somebody steps
-  /// into it.
+  /// `detector` may be null. `startling`: as `least` of `Startle`.
   FramePipeline(std::unique_ptr<Detector> detector, const OrbOptions& orb, bool live,
                 double startling = startling_share);
   ~FramePipeline();
