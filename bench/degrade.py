@@ -5,7 +5,7 @@
 
 --every N keeps every N-th frame only (30 Hz become 15, 10); --dark SHARE leaves that share of the
 light (0.3, say), bright parts more of it than dark ones, and adds noise of 3 grey levels; --holes
-takes depth away beyond 3 m and in patches that cover about a quarter of the image, others in every
+takes depth away beyond 3 m and in patches that cover about a third of the image, others in every
 frame. What is not changed is linked. Needs associations.txt, and Debian's python3-numpy and
 python3-pil.
 """

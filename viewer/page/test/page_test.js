@@ -77,13 +77,13 @@ async function test(browser, problems) {
 
     // One browser has six connections to a server, and pages that wait for no other.
     const context = await browser.newContext(narrow);
-    const seven = [];
-    for (let i = 0; i < 7; ++i) seven.push(await open(context, live.url, undefined, problems));
-    for (const one of seven) {
+    const ten = [];
+    for (let i = 0; i < 10; ++i) ten.push(await open(context, live.url, undefined, problems));
+    for (const one of ten) {
       await until(one, (frame) => document.getElementById('picture').dataset.frame === String(frame),
         frames - 1);
     }
-    await fits(seven[6], 400);
+    await fits(ten[9], 400);
     await context.close();
     assert.equal(await live.interrupt(), 0);
   } finally {
