@@ -19,6 +19,7 @@
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/evaluation/report/run_record.h"
 #include "dkp_slam/evaluation/report/test_markup.h"
+#include "dkp_slam/export/images/image_file.h"
 
 namespace dkp_slam {
 namespace {
@@ -109,7 +110,7 @@ TEST_F(BenchCommand, MasksAreAModeOfSequencesThatHaveThem) {
   mask.colRange(0, 320) = 255;
   fs::create_directory(wall() / "mask");
   for (int i = 0; i < frame_count; ++i) {
-    cv::imwrite(wall() / "mask" / (WallSequence::stamp(i) + ".png"), mask);
+    write_image(wall() / "mask" / (WallSequence::stamp(i) + ".png"), mask);
   }
   ASSERT_EQ(bench({wall(), "--modes", "masks", "--repeat", "1", "--set", "refill.below=0", "--out",
                    out()}),

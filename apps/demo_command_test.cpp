@@ -5,11 +5,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "apps/demo/demo.h"
 #include "apps/test_command.h"
 #include "dkp_slam/evaluation/report/test_markup.h"
+#include "tests/support/image_files.h"
 
 namespace dkp_slam {
 namespace {
@@ -28,7 +28,7 @@ class DemoCommand : public testing::CommandTest {
 
 TEST_F(DemoCommand, WritesAPageAndAPictureWithoutAModel) {
   ASSERT_EQ(demo({"--frames", "16", "--seed", "3"}), 0) << stderr_;
-  const cv::Mat picture = cv::imread((out() / "demo.png").string(), cv::IMREAD_COLOR);
+  const cv::Mat picture = testing::read_image(out() / "demo.png");
   ASSERT_EQ(picture.size(), cv::Size(apps::demo_picture_width, apps::demo_picture_height));
   // Not blank anywhere: head, charts and frames all have contrast.
   for (const cv::Rect part : {cv::Rect(0, 0, 1600, 90), cv::Rect(0, 230, 800, 400),

@@ -14,6 +14,7 @@
 #include "apps/test_command.h"
 #include "apps/test_sequence.h"
 #include "dkp_slam/dense/octomap/octomap_file.h"
+#include "dkp_slam/export/images/image_file.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/map_file.h"
@@ -135,12 +136,12 @@ TEST_F(ExportCommand, ARunGivesTheStaticWorld) {
   const fs::path mask = run() / "masks" / (WallSequence::stamp(0) + ".png");
   ASSERT_TRUE(fs::exists(mask));
   for (int i = 0; i < 12; ++i) {
-    cv::imwrite(run() / "masks" / (WallSequence::stamp(i) + ".png"), cv::Mat(480, 640, CV_8U, 255));
+    write_image(run() / "masks" / (WallSequence::stamp(i) + ".png"), cv::Mat(480, 640, CV_8U, 255));
   }
   const std::string before = content(cloud);
   expect_refused(1, {run(), "--dense", cloud}, "there is no surface");
   EXPECT_EQ(content(cloud), before);
-  cv::imwrite(mask, cv::Mat(24, 32, CV_8U, 255));
+  write_image(mask, cv::Mat(24, 32, CV_8U, 255));
   expect_refused(1, {run(), "--dense", cloud}, "the mask is 32 x 24 pixels");
   expect_refused(1, {run(), "--dense", cloud, "--masks", folder_ / "none"}, "no such folder");
 

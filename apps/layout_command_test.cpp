@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "apps/test_command.h"
@@ -17,6 +16,7 @@
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/depth_registration.h"
 #include "dkp_slam/sensor/image_reader.h"
+#include "tests/support/image_files.h"
 #include "tests/support/recording.h"
 
 namespace dkp_slam {
@@ -81,7 +81,7 @@ class LayoutCommand : public testing::CommandTest {
   }
   void image(const fs::path& name, const cv::Mat& pixels) const {
     fs::create_directories((sequence_ / name).parent_path());
-    cv::imwrite(sequence_ / name, pixels);
+    testing::write_image_as_named(sequence_ / name, pixels);
   }
   void text(const fs::path& name, const std::string& lines) const {
     fs::create_directories((sequence_ / name).parent_path());

@@ -4,11 +4,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "apps/run_masks.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/map_file/test_folder.h"
+#include "tests/support/image_files.h"
 
 namespace dkp_slam::apps {
 namespace {
@@ -26,7 +26,7 @@ class MaskWriterTest : public dkp_slam::testing::FolderTest {
     writer.rethrow_failure();
   }
   cv::Mat written(const char* name) const {
-    return cv::imread(folder_ / masks_folder / name, cv::IMREAD_UNCHANGED);
+    return testing::read_image(folder_ / masks_folder / name);
   }
 };
 

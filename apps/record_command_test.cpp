@@ -13,6 +13,7 @@
 
 #include "apps/test_command.h"
 #include "apps/test_sequence.h"
+#include "dkp_slam/export/images/image_file.h"
 #include "dkp_slam/sensor/image_reader.h"
 #include "dkp_slam/sensor/stream/test_driver.h"
 #include "dkp_slam/sensor/tum_lists.h"
@@ -93,7 +94,7 @@ TEST_F(RecordCommand, MasksAreRecordedToo) {
   cv::Mat mask(480, 640, CV_8UC1, cv::Scalar(0));
   mask.colRange(100, 200).setTo(255);
   fs::create_directory(folder_ / "masks");
-  cv::imwrite(folder_ / "masks" / (WallSequence::stamp(3) + ".png"), mask);
+  write_image(folder_ / "masks" / (WallSequence::stamp(3) + ".png"), mask);
   ASSERT_EQ(bash("$P stream sequence --masks masks 2>/dev/null | $P record - --out out 2>err"), 0);
   EXPECT_EQ(frames_in(folder_ / "out"), frame_count);
   const fs::path file = folder_ / "out/mask" / (WallSequence::stamp(3) + ".png");

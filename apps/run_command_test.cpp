@@ -17,6 +17,8 @@
 #include "dkp_slam/detection/yolox/tiny_onnx.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/evaluation/measure/timings.h"
+#include "dkp_slam/export/images/image_file.h"
+#include "tests/support/image_files.h"
 
 namespace dkp_slam {
 namespace {
@@ -203,7 +205,7 @@ TEST_F(RunCommand, OverlayPictures) {
   std::ofstream(out() / "overlay/mine.png") << "a user's";
   ASSERT_EQ(run({"--detector", "motion", "--overlay", "--overlay-every", "5"}), 0) << stderr_;
   for (const char* name : {"frame_000000.png", "frame_000005.png", "frame_000010.png"}) {
-    EXPECT_EQ(cv::imread(out() / "overlay" / name).size(), cv::Size(640, 480)) << name;
+    EXPECT_EQ(testing::read_image(out() / "overlay" / name).size(), cv::Size(640, 480)) << name;
   }
   EXPECT_TRUE(fs::exists(out() / "overlay/mine.png"));
   EXPECT_EQ(std::distance(fs::directory_iterator(out() / "overlay"), {}), 4);
@@ -255,29 +257,29 @@ TEST_F(RunCommand, NoDepth) {
 
 TEST_F(RunCommand, DepthWithoutAnyReadingLocalisesNothing) {
   for (int i = 0; i < frame_count; ++i) {
-    cv::imwrite(sequence_->depth_file(i), cv::Mat::zeros(480, 640, CV_16U));
+    write_image(sequence_->depth_file(i), cv::Mat::zeros(480, 640, CV_16U));
   }
   EXPECT_EQ(run(), 1);
   expect_failed("none of 12 frames was localised");
 }
 
 TEST_F(RunCommand, WrongDepthType) {
-  cv::imwrite(sequence_->depth_file(0), cv::Mat(480, 640, CV_8U, cv::Scalar(100)));
+  write_image(sequence_->depth_file(0), cv::Mat(480, 640, CV_8U, cv::Scalar(100)));
   expect_refused("depth must be a 16-bit image of one channel, not 8 bits");
-  cv::imwrite(sequence_->depth_file(0), cv::Mat(480, 640, CV_16UC3, cv::Scalar::all(100)));
+  write_image(sequence_->depth_file(0), cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(100)));
   expect_refused("3 channels");
 }
 
 TEST_F(RunCommand, SizesThatDiffer) {
-  cv::imwrite(sequence_->depth_file(0), cv::Mat(240, 320, CV_16U, cv::Scalar(10000)));
+  write_image(sequence_->depth_file(0), cv::Mat(240, 320, CV_16U, cv::Scalar(10000)));
   expect_refused("depth is 320 x 240 pixels but its colour image is 640 x 480");
-  cv::imwrite(sequence_->colour_file(0), cv::Mat(240, 320, CV_8UC3));
+  write_image(sequence_->colour_file(0), cv::Mat(240, 320, CV_8UC3));
   expect_refused("320 x 240 pixels but the camera file says 640 x 480");
 }
 
 TEST_F(RunCommand, ImagesOfTheWrongKindInTheMiddleAreSkippedAndCounted) {
-  cv::imwrite(sequence_->depth_file(6), cv::Mat(240, 320, CV_16U, cv::Scalar(10000)));
-  cv::imwrite(sequence_->depth_file(8), cv::Mat(480, 640, CV_8U, cv::Scalar(100)));
+  write_image(sequence_->depth_file(6), cv::Mat(240, 320, CV_16U, cv::Scalar(10000)));
+  write_image(sequence_->depth_file(8), cv::Mat(480, 640, CV_8U, cv::Scalar(100)));
   ASSERT_EQ(run(), 0) << stderr_;
   EXPECT_EQ(summary().at("skipped_frames"), 2);
   EXPECT_EQ(summary().at("localised_frames"), frame_count - 2);
@@ -311,7 +313,7 @@ TEST_F(RunCommand, MoreThanHalfUnreadableFails) {
 
 TEST_F(RunCommand, MoreThanHalfLostFails) {
   for (int i = 5; i < frame_count; ++i) {
-    cv::imwrite(sequence_->colour_file(i), cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(128)));
+    write_image(sequence_->colour_file(i), cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(128)));
   }
   EXPECT_EQ(run(), 1);
   expect_failed("7 of 12 frames were lost");

@@ -11,6 +11,8 @@
 
 #include "apps/test_command.h"
 #include "apps/test_sequence.h"
+#include "dkp_slam/export/images/image_file.h"
+#include "tests/support/image_files.h"
 
 namespace dkp_slam {
 namespace {
@@ -33,7 +35,7 @@ class RunMasks : public testing::CommandTest {
     cv::Mat mask = cv::Mat::zeros(480, 640, CV_8UC1);
     mask(half) = 1;
     fs::create_directories(masks());
-    for (int i = 0; i < masked_frames; ++i) cv::imwrite(mask_file(i), mask);
+    for (int i = 0; i < masked_frames; ++i) write_image(mask_file(i), mask);
   }
 
   fs::path out() const { return folder_ / "out"; }
@@ -61,7 +63,7 @@ TEST_F(RunMasks, TakeThePlaceOfADetector) {
   const double removed = json.at("features_removed"), features = json.at("features");
   EXPECT_NEAR(removed / features, 0.5, 0.1);
   // In the picture the left half is red.
-  const cv::Mat picture = cv::imread(out() / "overlay/frame_000000.png");
+  const cv::Mat picture = testing::read_image(out() / "overlay/frame_000000.png");
   const cv::Scalar left = cv::mean(picture(half)),
                    right = cv::mean(picture(half + cv::Point(320, 0)));
   EXPECT_GT(left[2] - left[1], right[2] - right[1] + 20.0);
@@ -89,9 +91,9 @@ TEST_F(RunMasks, WhatIsWrongAtOnceWritesNothing) {
     EXPECT_THAT(stderr_, HasSubstr(why));
     EXPECT_FALSE(fs::exists(out()));
   };
-  cv::imwrite(mask_file(0), cv::Mat::zeros(240, 320, CV_8UC1));
+  write_image(mask_file(0), cv::Mat::zeros(240, 320, CV_8UC1));
   expect_refused(mask_file(0) + ": the mask is 320 x 240 pixels");
-  cv::imwrite(mask_file(0), cv::Mat::zeros(480, 640, CV_16UC1));
+  write_image(mask_file(0), cv::Mat::zeros(480, 640, CV_16UC1));
   expect_refused(mask_file(0) + ": not of 8-bit grey values");
   for (int i = 0; i < masked_frames; ++i) fs::remove(mask_file(i));
   expect_refused("holds no mask for any of 12 colour images");
@@ -100,7 +102,7 @@ TEST_F(RunMasks, WhatIsWrongAtOnceWritesNothing) {
 }
 
 TEST_F(RunMasks, OneOfAnotherSizeInTheMiddleEndsTheRunAndKeepsWhatThereIs) {
-  cv::imwrite(mask_file(6), cv::Mat::zeros(240, 320, CV_8UC1));
+  write_image(mask_file(6), cv::Mat::zeros(240, 320, CV_8UC1));
   EXPECT_EQ(run_with_masks(), 1);
   EXPECT_THAT(stderr_, HasSubstr(mask_file(6) + ": the mask is 320 x 240 pixels"));
   EXPECT_EQ(summary().at("localised_frames"), 6);
@@ -108,7 +110,7 @@ TEST_F(RunMasks, OneOfAnotherSizeInTheMiddleEndsTheRunAndKeepsWhatThereIs) {
 
 TEST_F(RunMasks, MasksThatCoverEverythingFailTheRun) {
   for (int i = 0; i < masked_frames; ++i) {
-    cv::imwrite(mask_file(i), cv::Mat(480, 640, CV_8UC1, cv::Scalar(255)));
+    write_image(mask_file(i), cv::Mat(480, 640, CV_8UC1, cv::Scalar(255)));
   }
   EXPECT_EQ(run_with_masks(), 1);
   EXPECT_THAT(stderr_, HasSubstr("none of 12 frames was localised"));

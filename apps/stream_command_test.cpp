@@ -14,6 +14,7 @@
 
 #include "apps/test_command.h"
 #include "apps/test_sequence.h"
+#include "dkp_slam/export/images/image_file.h"
 #include "dkp_slam/sensor/stream/test_driver.h"
 
 namespace dkp_slam {
@@ -219,7 +220,7 @@ TEST_F(StreamCommand, MasksComeWithTheStream) {
   for (int i = 0; i < frame_count; ++i) {
     cv::Mat mask(480, 640, CV_8UC1, cv::Scalar(0));
     mask.colRange(0, 200).setTo(1);
-    cv::imwrite(folder_ / "masks" / (WallSequence::stamp(i) + ".png"), mask);
+    write_image(folder_ / "masks" / (WallSequence::stamp(i) + ".png"), mask);
   }
   ASSERT_EQ(bash("$P run sequence --masks masks --out folder 2>err"), 0) << err();
   ASSERT_EQ(bash("$P stream sequence --masks masks 2>/dev/null | "

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <CLI/CLI.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "apps/commands.h"
 #include "apps/progress.h"
@@ -21,6 +20,7 @@
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/synth/folder/sequence_writer.h"
 #include "dkp_slam/synth/source.h"
+#include "tests/support/image_files.h"
 
 namespace dkp_slam::apps {
 namespace {
@@ -80,9 +80,9 @@ TEST_F(SynthCommandTest, WritesASequenceThatReadsBackAsRendered) {
     EXPECT_EQ(cv::norm(a->colour, b->colour, cv::NORM_INF), 0.0);
     EXPECT_LE(cv::norm(a->depth, b->depth, cv::NORM_INF), 0.5 / 5000.0 + 1e-6);
     const std::string file = fmt::format("{:.6f}.png", a->timestamp);
-    const cv::Mat mask = cv::imread(out_ / "mask" / file, cv::IMREAD_UNCHANGED);
+    const cv::Mat mask = testing::read_image(out_ / "mask" / file);
     EXPECT_EQ(cv::norm(mask, expected.truth().mask, cv::NORM_INF), 0.0);
-    const cv::Mat instances = cv::imread(out_ / "instances" / file, cv::IMREAD_UNCHANGED);
+    const cv::Mat instances = testing::read_image(out_ / "instances" / file);
     EXPECT_EQ(instances.type(), CV_8UC1);
     EXPECT_EQ(cv::norm(instances, expected.truth().instance, cv::NORM_INF), 0.0);
     // Both people; the box on the desk has no name.

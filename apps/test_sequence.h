@@ -6,9 +6,9 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/export/images/image_file.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/geometry/camera.h"
 #include "dkp_slam/sensor/camera_config.h"
@@ -38,8 +38,8 @@ class WallSequence {
     Trajectory truth;
     std::ofstream rgb(folder_ / "rgb.txt"), depths(folder_ / "depth.txt");
     for (int i = 0; i < frames; ++i) {
-      cv::imwrite(colour_file(i), wall(cv::Rect(step * i, 0, 640, 480)));
-      cv::imwrite(depth_file(i), raw);
+      write_image(colour_file(i), wall(cv::Rect(step * i, 0, 640, 480)));
+      write_image(depth_file(i), raw);
       rgb << stamp(i) << " rgb/" << stamp(i) << ".png\n";
       depths << stamp(i) << " depth/" << stamp(i) << ".png\n";
       StampedPose pose{std::stod(stamp(i)), {}};

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/config/option_list.h"
@@ -17,8 +16,10 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/mask_score.h"
 #include "dkp_slam/evaluation/overlay.h"
+#include "dkp_slam/export/images/image_file.h"
 #include "dkp_slam/feature/orb_extractor.h"
 #include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/sensor/image_reader.h"
 #include "dkp_slam/system/config.h"
 
 namespace dkp_slam {
@@ -125,19 +126,20 @@ void run(const BenchOptions& bench) {
   if (features) features << "frame,x,y,level,truth,static,masked,region,residual,depth\n";
   Totals totals;
   const int end = std::min(static_cast<int>(entries.size()), bench.last);
+  ImageReader images;
   for (int i = bench.first; i < end; ++i) {
     const Entry& e = entries[static_cast<std::size_t>(i)];
     RgbdFrame frame;
     frame.index = i;
     frame.timestamp = e.timestamp;
-    frame.colour = cv::imread((folder / e.colour).string());
-    const cv::Mat raw = cv::imread((folder / e.depth).string(), cv::IMREAD_UNCHANGED);
+    frame.colour = images.read_colour((folder / e.colour).string()).image;
+    const cv::Mat raw = images.read_unchanged((folder / e.depth).string()).image;
     raw.convertTo(frame.depth, CV_32F, 1.0 / camera.depth_scale);
     frame.depth.setTo(0.0F, frame.depth < camera.min_depth);
     frame.depth.setTo(0.0F, frame.depth > camera.max_depth);
     const auto mask_path = folder / "mask" / std::filesystem::path(e.colour).filename();
     const cv::Mat truth = std::filesystem::exists(mask_path)
-                              ? cv::imread(mask_path.string(), cv::IMREAD_GRAYSCALE)
+                              ? images.read_grey_png(mask_path.string()).image
                               : cv::Mat();
     if (options.mode == DynamicsMode::masks) frame.mask = truth;
     cv::Mat grey;
@@ -180,7 +182,7 @@ void run(const BenchOptions& bench) {
                         bench.overlay_frames.end();
     const bool due = bench.overlay_every > 0 && i % bench.overlay_every == 0;
     if (!bench.overlay.empty() && (listed || due)) {
-      cv::imwrite(fmt::format("{}/{:04d}.png", bench.overlay, i),
+      write_image(fmt::format("{}/{:04d}.png", bench.overlay, i),
                   picture_of(frame, keypoints, result, truth));
     }
   }

@@ -50,8 +50,8 @@ function(dkp_slam_test name)
   endif()
   add_executable(${name} ${arg_UNPARSED_ARGUMENTS})
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
-  target_link_libraries(${name} PRIVATE dkp_slam_everything GTest::gtest GTest::gmock_main
-                        opencv_imgcodecs opencv_calib3d opencv_video nlohmann_json::nlohmann_json
+  target_link_libraries(${name} PRIVATE dkp_slam_everything dkp_slam_export_images GTest::gtest GTest::gmock_main
+                        opencv_calib3d opencv_video nlohmann_json::nlohmann_json
                         spdlog::spdlog)
   if(arg_RECORDINGS)
     target_link_libraries(${name} PRIVATE dkp_slam_recordings)

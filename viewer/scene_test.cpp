@@ -1,11 +1,11 @@
 #include "viewer/scene.h"
+#include "tests/support/image_files.h"
 
 #include <cmath>
 #include <memory>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "viewer/cloud.h"
 #include "viewer/test_client.h"
@@ -218,7 +218,7 @@ TEST(Scene, APictureIsMadeWhenSomebodyAsks) {
   EXPECT_NEAR(features[0] / 65535.0, 10.5 / 64, 1e-4);
   EXPECT_EQ(features[2], 4);  // low, static
   EXPECT_EQ(features[5], 2);  // high, removed
-  const cv::Mat image = cv::imdecode(section_of<std::uint8_t>(*picture, "jpeg"), cv::IMREAD_COLOR);
+  const cv::Mat image = testing::image_of(section_of<std::uint8_t>(*picture, "jpeg"));
   EXPECT_EQ(image.size(), cv::Size(64, 48));
   EXPECT_NEAR(image.at<cv::Vec3b>(24, 32)[0], 30, 4);
   EXPECT_EQ(scene.picture(5), picture);  // the last one before

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "bench/results/measure.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
@@ -15,6 +14,7 @@
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/json_text.h"
 #include "dkp_slam/sensor/camera_config.h"
+#include "dkp_slam/sensor/image_reader.h"
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/system/playback.h"
 #include "dkp_slam/system/slam.h"
@@ -44,7 +44,7 @@ class MaskObserver : public SlamObserver {
   explicit MaskObserver(fs::path masks) : masks_(std::move(masks)) {}
   void on_frame(const std::shared_ptr<const FrameSnapshot>& snapshot) override {
     const fs::path path = masks_ / fmt::format("{:.6f}.png", snapshot->frame.timestamp);
-    const cv::Mat truth = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat truth = images_.read_grey_png(path.string()).image;
     if (truth.empty()) return;
     const FrameDynamics& dynamics = snapshot->dynamics;
     std::vector<cv::Point2f> positions;
@@ -63,6 +63,7 @@ class MaskObserver : public SlamObserver {
 
  private:
   const fs::path masks_;
+  ImageReader images_;
   MaskScoreTally tally_;
   std::size_t compared_ = 0;
 };

@@ -1,18 +1,18 @@
 #include "dkp_slam/evaluation/trajectory_plot.h"
+#include "tests/support/image_files.h"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 namespace dkp_slam {
 namespace {
 
-using testing::DoubleNear;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 Trajectory circle_in_yz(double noise) {
   Trajectory poses;
@@ -75,7 +75,7 @@ TEST(TrajectoryPlot, ThePathIsBrokenWhereFramesAreLost) {
 TEST(TrajectoryPlot, PngHasTwoPixelsAPointAndTheColoursOfThePaths) {
   auto canvas = png_canvas(plot_width, plot_height);
   const std::string png = drawn(*canvas, circle_in_yz(0.0), circle_in_yz(0.3));
-  const cv::Mat image = cv::imdecode(std::vector<uchar>(png.begin(), png.end()), cv::IMREAD_COLOR);
+  const cv::Mat image = testing::image_of(std::vector<uchar>(png.begin(), png.end()));
   ASSERT_EQ(image.size(), cv::Size(2 * plot_width, 2 * plot_height));
   cv::Mat blue;
   cv::inRange(image, cv::Scalar(180, 100, 20), cv::Scalar(200, 120, 45), blue);

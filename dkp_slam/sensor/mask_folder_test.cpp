@@ -1,4 +1,5 @@
 #include "dkp_slam/sensor/mask_folder.h"
+#include "dkp_slam/export/images/image_file.h"
 
 #include <filesystem>
 #include <string>
@@ -6,9 +7,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "dkp_slam/error.h"
+#include "tests/support/image_files.h"
 
 namespace dkp_slam {
 namespace {
@@ -30,8 +31,8 @@ class MaskFolderTest : public ::testing::Test {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     mask_(cv::Rect(3, 4, 5, 6)) = 7;
-    cv::imwrite(folder_ / "1.25.png", mask_);
-    cv::imwrite(folder_ / "2.5.png", cv::Mat::zeros(image_size, CV_8UC1));
+    write_image(folder_ / "1.25.png", mask_);
+    write_image(folder_ / "2.5.png", cv::Mat::zeros(image_size, CV_8UC1));
   }
   void TearDown() override { fs::remove_all(folder_); }
 
@@ -79,16 +80,16 @@ TEST_F(MaskFolderTest, AFolderWithoutAnyIsRefused) {
 
 TEST_F(MaskFolderTest, WhatIsNoMaskOfThatImageIsRefused) {
   const std::string file = folder_ / "2.5.png";
-  cv::imwrite(file, cv::Mat::zeros(12, 16, CV_8UC1));
+  write_image(file, cv::Mat::zeros(12, 16, CV_8UC1));
   expect_refused("the mask is 16 x 12 pixels but its colour image 32 x 24");
-  cv::imwrite(file, cv::Mat::zeros(image_size, CV_16UC1));
+  write_image(file, cv::Mat::zeros(image_size, CV_16UC1));
   expect_refused("not of 8-bit grey values but of 16 bits");
-  cv::imwrite(file, cv::Mat::zeros(image_size, CV_8UC3));
+  write_image(file, cv::Mat::zeros(image_size, CV_8UC3));
   expect_refused("not of 8-bit grey values but of colours");
-  cv::imwrite(file, mask_);
+  write_image(file, mask_);
   fs::resize_file(file, fs::file_size(file) - 20);
   expect_refused("a mask is a PNG of 8-bit grey values");
-  cv::imwrite(folder_ / "2.5.jpg", mask_);
+  testing::write_image_as_named(folder_ / "2.5.jpg", mask_);
   fs::rename(folder_ / "2.5.jpg", file);
   expect_refused("not a PNG file");
 }

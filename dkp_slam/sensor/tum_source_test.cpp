@@ -353,6 +353,8 @@ TEST_F(TumSourceTest, RefusesWrongDepthTypes) {
   EXPECT_THAT(error(), HasSubstr("16-bit image of one channel, not 8 bits and 1 channels"));
   cv::imwrite(depth(0), cv::Mat(height, width, CV_8UC3, cv::Scalar(9)));
   EXPECT_THAT(error(), HasSubstr("not 8 bits and 3 channels"));
+  cv::imwrite(depth(0), cv::Mat(height, width, CV_16UC3, cv::Scalar(9)));
+  EXPECT_THAT(error(), HasSubstr("3 channels"));
   EXPECT_THROW(open(), Error) << "known before the run starts";
 }
 

@@ -6,24 +6,24 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "dkp_slam/detection/yolox/tiny_onnx.h"
 #include "dkp_slam/error.h"
+#include "tests/support/image_files.h"
 
 namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
-using testing::ThrowsMessage;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::ThrowsMessage;
 
 /// An empty folder that no other test uses: tests may run side by side.
 fs::path fresh_folder() {
-  const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-  const fs::path folder = fs::path(testing::TempDir()) / "dkp_slam_detection_test" /
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  const fs::path folder = fs::path(::testing::TempDir()) / "dkp_slam_detection_test" /
                           test->test_suite_name() / test->name();
   fs::remove_all(folder);
   fs::create_directories(folder);
@@ -44,7 +44,7 @@ class ScopedVariable {
   std::optional<std::string> old_;
 };
 
-class YoloxBackends : public testing::TestWithParam<YoloxBackend> {
+class YoloxBackends : public ::testing::TestWithParam<YoloxBackend> {
  protected:
   void SetUp() override {
 #ifndef DKP_SLAM_HAVE_ONNXRUNTIME
@@ -159,7 +159,7 @@ TEST_P(YoloxBackends, FindsThePeopleInARealFrame) {
   std::vector<fs::path> images(fs::directory_iterator(folder), fs::directory_iterator{});
   std::sort(images.begin(), images.end());
   RgbdFrame frame;
-  frame.colour = cv::imread(images.front().string());
+  frame.colour = testing::read_image(images.front());
   options_.model = model;
   const std::vector<Detection> found = make_yolox_detector(options_)->detect(frame);
   const auto people = std::count_if(found.begin(), found.end(), [](const Detection& d) {
@@ -182,7 +182,7 @@ TEST_P(YoloxBackends, FindsThePeopleInARealFrame) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Detection, YoloxBackends,
-                         testing::Values(YoloxBackend::onnxruntime, YoloxBackend::opencv),
+                         ::testing::Values(YoloxBackend::onnxruntime, YoloxBackend::opencv),
                          [](const auto& info) {
                            return info.param == YoloxBackend::opencv ? "OpenCv" : "OnnxRuntime";
                          });
@@ -217,7 +217,7 @@ TEST(YoloxDetector, RefusesAnUnknownProvider) {
 #endif
 
 /// Hides every model that the machine may hold.
-class MakeDetector : public testing::Test {
+class MakeDetector : public ::testing::Test {
  protected:
   MakeDetector() {
     camera_.fx = camera_.fy = 500.0;

@@ -7,12 +7,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
+#include "tests/support/image_files.h"
 
 namespace dkp_slam {
 namespace {
@@ -291,7 +291,7 @@ TEST(MotionDetector, FindsWalkingPeopleInARealSequence) {
   double common = 0.0, found = 0.0, true_area = 0.0;
   while (const auto frame = source->read()) {
     const cv::Mat mask = mask_of(detector.detect(*frame), frame->colour.size());
-    const cv::Mat truth = cv::imread(truths.at(frame->index).string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat truth = testing::read_image(truths.at(frame->index));
     common += cv::countNonZero(mask & truth);
     found += cv::countNonZero(mask);
     true_area += cv::countNonZero(truth);

@@ -2,11 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/canvas.h"
 #include "dkp_slam/evaluation/report/test_markup.h"
+#include "tests/support/image_files.h"
 
 namespace dkp_slam {
 namespace {
@@ -84,7 +84,7 @@ TEST(Html, PicturesAreWithinThePage) {
     }
     for (unsigned k = 0; k + missing < 3; ++k) bytes.push_back(bits >> (16 - 8 * k) & 255U);
   }
-  const cv::Mat back = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  const cv::Mat back = testing::image_of(bytes);
   ASSERT_EQ(back.size(), picture.size());
   EXPECT_LT(cv::norm(back, picture, cv::NORM_INF), 12.0);
   EXPECT_THROW(data_uri(cv::Mat()), Error);
@@ -96,7 +96,7 @@ TEST(Canvas, RectanglesAndPicturesLandWhereTheyShould) {
   canvas->rectangle({0.0, 0.0}, {10.0, 20.0}, {0, 0, 255});
   canvas->image({20.0, 5.0}, {30.0, 10.0}, red);  // beyond the page to the right
   const std::string png = canvas->encode();
-  const cv::Mat page = cv::imdecode(std::vector<uchar>(png.begin(), png.end()), cv::IMREAD_COLOR);
+  const cv::Mat page = testing::image_of(std::vector<uchar>(png.begin(), png.end()));
   ASSERT_EQ(page.size(), cv::Size(80, 40));
   EXPECT_EQ(page.at<cv::Vec3b>(20, 10), cv::Vec3b(255, 0, 0));
   EXPECT_EQ(page.at<cv::Vec3b>(20, 60), cv::Vec3b(0, 0, 255));

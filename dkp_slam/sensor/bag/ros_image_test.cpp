@@ -7,9 +7,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/sensor/png_encoder.h"
 
 namespace dkp_slam {
 namespace {
@@ -110,16 +110,14 @@ TEST(RosImage, ReadsDepthAtAnyAddress) {
 
 TEST(RosImage, ReadsCompressedImages) {
   cv::Mat colour(16, 16, CV_8UC3, cv::Scalar(10, 20, 30));
-  Bytes png;
-  cv::imencode(".png", colour, png);
+  const Bytes png = encode_png(colour);
   RosImage image;
   image.compressed = true;
   image.encoding = "bgr8; png compressed bgr8";
   image.data = png;
   EXPECT_EQ(cv::norm(colour_of(image), colour, cv::NORM_INF), 0.0);
 
-  Bytes depth_png;
-  cv::imencode(".png", cv::Mat(2, 2, CV_16UC1, cv::Scalar(1500)), depth_png);
+  const Bytes depth_png = encode_png(cv::Mat(2, 2, CV_16UC1, cv::Scalar(1500)));
   Bytes packed(12, 0);
   packed.insert(packed.end(), depth_png.begin(), depth_png.end());
   image.encoding = "16UC1; compressedDepth png";

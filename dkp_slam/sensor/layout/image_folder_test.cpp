@@ -1,4 +1,5 @@
 #include "dkp_slam/sensor/layout/image_folder.h"
+#include "dkp_slam/export/images/image_file.h"
 
 #include <cmath>
 #include <filesystem>
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/map_file/test_folder.h"
@@ -37,7 +37,7 @@ class ImageFolder : public testing::FolderTest {
  protected:
   void image(const std::string& name, const cv::Mat& image) const {
     fs::create_directories((folder_ / name).parent_path());
-    cv::imwrite(folder_ / name, image);
+    write_image(folder_ / name, image);
   }
   void text(const std::string& name, const std::string& content) const {
     fs::create_directories((folder_ / name).parent_path());
