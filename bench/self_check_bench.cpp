@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "bench/truth_offset.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/export/trajectory.h"
 #include "dkp_slam/sensor/camera_config.h"
@@ -23,51 +24,77 @@ namespace fs = std::filesystem;
 /// Where in the sequence it is off.
 void print_frames(const std::vector<dkp_slam::FrameResult>& frames,
                   const std::vector<dkp_slam::testing::FrameHonesty>& honesty) {
-  fmt::print("index,error_mm,sigma_mm,sigmas_off,landmarks,people_share,since_map_seen_s\n");
+  fmt::print(
+      "index,error_mm,error_mrad,sigma_mm,position_sigmas,orientation_sigmas,landmarks,people_"
+      "share,since_map_seen_s\n");
   std::size_t next = 0;
   for (const auto& f : frames) {
     if (next >= honesty.size() || honesty[next].index != f.index) continue;
     const auto& h = honesty[next++];
-    fmt::print("{},{:.1f},{:.1f},{:.2f},{},{:.2f},{:.3f}\n", h.index, 1e3 * h.error, 1e3 * h.sigma,
-               h.sigmas_off, f.tracked_landmarks, f.quality.people_share, f.quality.since_map_seen);
+    fmt::print("{},{:.1f},{:.1f},{:.1f},{:.2f},{:.2f},{},{:.2f},{:.3f}\n", h.index, 1e3 * h.error,
+               1e3 * h.turn_error, 1e3 * h.sigma, h.position_off, h.orientation_off,
+               f.tracked_landmarks, f.quality.people_share, f.quality.since_map_seen);
   }
 }
 
-void measure(const fs::path& folder, const std::string& camera_file, bool each_frame) {
+struct Options {
+  std::string camera;  ///< a file; empty: each folder's camera.yaml
+  std::string model;   ///< YOLOX weights; empty: the motion detector
+  bool each_frame = false;
+};
+
+std::vector<dkp_slam::FrameResult> played(const fs::path& folder, const Options& options) {
   dkp_slam::SlamConfig config;
-  config.camera =
-      dkp_slam::load_camera(camera_file.empty() ? (folder / "camera.yaml").string() : camera_file);
-  config.detector.kind = dkp_slam::DetectorKind::motion;
+  config.camera = dkp_slam::load_camera(options.camera.empty() ? (folder / "camera.yaml").string()
+                                                               : options.camera);
+  config.detector.kind =
+      options.model.empty() ? dkp_slam::DetectorKind::motion : dkp_slam::DetectorKind::yolox;
+  config.detector.yolox.model = options.model;
   const auto source = dkp_slam::open_tum_folder(folder.string(), config.camera);
   dkp_slam::Slam slam(config, dkp_slam::make_detector(config.detector, config.camera));
   std::vector<dkp_slam::FrameResult> frames;
   dkp_slam::play(*source, slam, {},
                  [&](const dkp_slam::FrameResult& result) { frames.push_back(result); });
+  return frames;
+}
+
+void measure(const fs::path& folder, const Options& options) {
+  const auto frames = played(folder, options);
   const auto truth = dkp_slam::read_trajectory(folder / "groundtruth.txt");
   const auto h = dkp_slam::testing::honesty_of(frames, truth);
-  fmt::print("| `{}` | {} of {} | {} | {:.1f} sigma | {:.1f}, {:.1f} mm | {:.1f} mm |\n",
-             folder.filename().string(), h.localised, frames.size(), h.over_three_sigma, h.worst,
-             1e3 * h.median_error, 1e3 * h.largest_error, 1e3 * h.median_sigma);
-  if (each_frame) print_frames(frames, h.frames);
+  const auto offset = dkp_slam::truth_offset(frames, truth);
+  const auto then = dkp_slam::testing::honesty_of(frames, dkp_slam::without_offset(truth, offset));
+  fmt::print(
+      "| `{}` | {} of {} | {} | {:.1f} | {:.1f}, {:.1f} mm | {:.1f} mm | {:.0f} mm, {:.0f} mrad, "
+      "{:.0f} ms | {} | {:.1f} | {:.1f}, {:.1f} mm |\n",
+      folder.filename().string(), h.localised, frames.size(), h.over_three_sigma, h.worst,
+      1e3 * h.median_error, 1e3 * h.largest_error, 1e3 * h.median_sigma,
+      1e3 * offset.camera_from_body.translation.norm(), 1e3 * offset.camera_from_body.angle(),
+      1e3 * offset.seconds, then.over_three_sigma, then.worst, 1e3 * then.median_error,
+      1e3 * then.largest_error);
+  if (options.each_frame) print_frames(frames, then.frames);
   std::fflush(stdout);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("How honest frames are about their poses, with the motion detector");
+  CLI::App app("How honest frames are about their poses");
   std::vector<fs::path> folders;
-  std::string camera;
+  Options options;
   app.add_option("SEQUENCE", folders, "Folders in TUM format with a groundtruth.txt")->required();
-  app.add_option("--camera", camera, "Camera file of all of them; else each one's camera.yaml");
-  bool each_frame = false;
-  app.add_flag("--frames", each_frame, "Below each sequence a line for every localised frame");
+  app.add_option("--camera", options.camera,
+                 "Camera file of all of them; else each one's camera.yaml");
+  app.add_option("--model", options.model, "YOLOX weights; without it the motion detector");
+  app.add_flag("--frames", options.each_frame,
+               "Below each sequence a line for every localised frame, the truth's offset removed");
   CLI11_PARSE(app, argc, argv);
   fmt::print(
-      "| sequence | localised | over 3 sigma | worst | error, median and largest | told sigma |\n"
-      "|---|---|---|---|---|---|\n");
+      "| sequence | localised | over 3 sigma | worst | error, median and largest | told sigma "
+      "| the true path's own offset | over 3 sigma without it | worst | error |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n");
   try {
-    for (const fs::path& folder : folders) measure(folder, camera, each_frame);
+    for (const fs::path& folder : folders) measure(folder, options);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;
