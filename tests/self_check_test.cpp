@@ -45,7 +45,7 @@ TEST_P(SelfCheckOnWalks, TheCovarianceIsHonest) {
   const Honesty honesty = testing::honesty_of(outcome.frames, room.truth);
   EXPECT_EQ(honesty.localised, static_cast<int>(GetParam().frames));
   EXPECT_LE(honesty.over_three_sigma, 0.02 * honesty.localised);
-  EXPECT_LT(honesty.largest_error, 0.2);
+  EXPECT_LT(honesty.largest_error, 0.06);  // 0.12 in the last where he took the camera with him
   // Who claims nothing is always honest.
   EXPECT_LT(honesty.median_sigma, 0.02);
 }

@@ -17,7 +17,10 @@ const SlamConfig& checked(const SlamConfig& config) {
 /// The mode may go without what is ours in tracking, too.
 TrackerOptions tracker_options(const SlamConfig& all) {
   TrackerOptions options = all.tracking;
-  options.use_belief = options.use_belief && mode_info(all.dynamics.mode).own_tracking;
+  const bool own = mode_info(all.dynamics.mode).own_tracking;
+  options.use_belief = options.use_belief && own;
+  // Mode off is the baseline, which knows nothing of people.
+  options.find_room = options.find_room && own && all.dynamics.mode != DynamicsMode::off;
   return options;
 }
 

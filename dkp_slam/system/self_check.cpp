@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "dkp_slam/localization/depth_groups.h"
 #include "dkp_slam/localization/pose_refinement.h"
-#include "dkp_slam/optimization/nearest_depth.h"
 #include "dkp_slam/optimization/pose_optimizer.h"
 
 namespace dkp_slam {
@@ -60,34 +59,11 @@ double depth_of(const Se3& camera_from_world, const PoseObservation& observation
 }
 
 /// Along the optical axis, metres.
-double mean_distance(const Se3& camera_from_world, std::span<const PoseObservation> observations) {
+double mean_distance(const Se3& camera_from_world,
+                     const std::vector<PoseObservation>& observations) {
   double sum = 0.0;
   for (const PoseObservation& o : observations) sum += depth_of(camera_from_world, o);
   return sum / static_cast<double>(observations.size());
-}
-
-/// Sorts the observations, near ones first, and returns how many are near: the split of nearness (1
-/// over depth) that leaves least variance within either group (Otsu's), none of them too small.
-std::size_t split_by_depth(const Se3& camera_from_world,
-                           std::vector<PoseObservation>& observations) {
-  const auto nearness = [&](const PoseObservation& o) {
-    return 1.0 / std::max(nearest_depth, depth_of(camera_from_world, o));
-  };
-  std::sort(observations.begin(), observations.end(),
-            [&](const auto& a, const auto& b) { return nearness(a) > nearness(b); });
-  double rest = 0.0, sum = 0.0, widest = -1.0;
-  for (const PoseObservation& o : observations) rest += nearness(o);
-  std::size_t split = least_group;
-  for (std::size_t n = 1; n + least_group <= observations.size(); ++n) {
-    sum += nearness(observations[n - 1]);
-    rest -= nearness(observations[n - 1]);
-    const auto near = static_cast<double>(n), far = static_cast<double>(observations.size() - n);
-    const double between = near * far * std::pow(sum / near - rest / far, 2);
-    if (n < least_group || between <= widest) continue;
-    widest = between;
-    split = n;
-  }
-  return split;
 }
 
 /// Where some of the landmarks take the camera to be: off the pose of all, and how sure.
@@ -97,13 +73,15 @@ struct OwnPose {
 };
 
 OwnPose own_pose(const Camera& camera, const MeasurementModel& model, const Se3& of_all,
-                 std::span<const PoseObservation> group) {
-  const std::vector<PoseObservation> observations(group.begin(), group.end());
+                 const std::vector<PoseObservation>& all, const std::vector<std::size_t>& group) {
+  std::vector<PoseObservation> observations;
+  for (const std::size_t i : group) observations.push_back(all[i]);
   const Se3 own = optimize_pose(camera, model, of_all, observations).camera_from_world;
   const Matrix6d information = pose_information(camera, model, own, observations);
   const Eigen::LDLT<Matrix6d> held(information + Matrix6d::Identity() / (most_apart * most_apart));
-  return {held.solve(information * (own * of_all.inverse()).log()),
-          held.solve(Matrix6d::Identity()) + common_error(camera, mean_distance(own, group))};
+  return {
+      held.solve(information * (own * of_all.inverse()).log()),
+      held.solve(Matrix6d::Identity()) + common_error(camera, mean_distance(own, observations))};
 }
 
 }  // namespace
@@ -178,13 +156,15 @@ Matrix6d SelfCheck::covariance(const Se3& camera_from_world,
 /// Near and far landmarks, each by themselves, tell where the camera is. Where these poses differ
 /// by more than both are wrong by, one of them lies on something that moves, and the pose is as far
 /// off as it is from the one that lies on the room, which may be either, until they agree again.
-void SelfCheck::compare_groups(const Frame& frame, std::vector<PoseObservation> observations) {
+void SelfCheck::compare_groups(const Frame& frame,
+                               const std::vector<PoseObservation>& observations) {
   if (observations.size() < 2 * least_group) return;  // nothing new is known
   const Se3& camera_from_world = frame.camera_from_world;
-  const std::size_t split = split_by_depth(camera_from_world, observations);
-  const std::span<const PoseObservation> all(observations);
-  const OwnPose near = own_pose(map_.camera(), model_, camera_from_world, all.first(split));
-  const OwnPose far = own_pose(map_.camera(), model_, camera_from_world, all.subspan(split));
+  const DepthGroups groups = split_by_depth(camera_from_world, observations, least_group);
+  const auto own = [&](const std::vector<std::size_t>& group) {
+    return own_pose(map_.camera(), model_, camera_from_world, observations, group);
+  };
+  const OwnPose near = own(groups.near), far = own(groups.far);
   const Vector6d apart = near.off - far.off;
   const bool agree =
       apart.dot((near.covariance + far.covariance).ldlt().solve(apart)) <= agreement_chi2;

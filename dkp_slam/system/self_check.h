@@ -29,7 +29,7 @@ class SelfCheck {
   std::vector<PoseObservation> evidence(const Frame& frame) const;
   Matrix6d covariance(const Se3& camera_from_world,
                       const std::vector<PoseObservation>& observations, double hidden) const;
-  void compare_groups(const Frame& frame, std::vector<PoseObservation> observations);
+  void compare_groups(const Frame& frame, const std::vector<PoseObservation>& observations);
   Doubt inherited_doubt(const Frame& frame) const;
 
   const Map& map_;

@@ -6,6 +6,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "dkp_slam/localization/depth_groups.h"
 #include "dkp_slam/localization/matcher.h"
 #include "dkp_slam/localization/pose_refinement.h"
 #include "dkp_slam/localization/relocalizer.h"
@@ -314,13 +315,25 @@ bool Tracker::track_local_map(Frame& frame) {
     matches.push_back(m);
   const std::vector<FrameMatch> all_matches = matches;
   drop_dynamic(frame, matches);
+  const std::vector<FrameMatch> offered = matches;
   tracked_landmarks_ = refine_pose(map_, model_, frame, matches);
+  if (options_.find_room) follow_room(offered, frame, matches);
   if (tracked_landmarks_ < options_.least_inliers) return false;
   assign_landmarks(matches, frame);
   if (localize_only_) return true;
   for (const FrameMatch& m : matches) ++map_.landmark(m.landmark).found;
   if (options_.use_belief) weigh_evidence(frame, all_matches);
   return true;
+}
+
+void Tracker::follow_room(const std::vector<FrameMatch>& offered, Frame& frame,
+                          std::vector<FrameMatch>& matches) {
+  std::vector<FrameMatch> on_room = matches_on_room(map_, model_, frame, offered);
+  if (on_room.empty()) return;
+  spdlog::debug("frame {}: near and far do not agree, {} of {} landmarks are the room's",
+                frame.index, on_room.size(), offered.size());
+  matches = std::move(on_room);
+  tracked_landmarks_ = refine_pose(map_, model_, frame, matches);
 }
 
 void Tracker::drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const {

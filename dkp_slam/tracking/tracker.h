@@ -67,6 +67,9 @@ struct TrackerOptions {
   /// called dynamic, and those that stray are removed. Without it what was called dynamic is not
   /// used, and nothing is remembered of it.
   bool use_belief = true;
+  /// Whether the pose follows the room's landmarks alone where near and far ones put the camera
+  /// elsewhere (`matches_on_room`).
+  bool find_room = true;
   LandmarkBelief belief;
 
   void describe(OptionList& list);
@@ -132,6 +135,8 @@ class Tracker {
   bool track_reference_keyframe(Frame& frame);
   bool track_local_map(Frame& frame);
   std::vector<int> local_landmarks(Frame& frame) const;
+  void follow_room(const std::vector<FrameMatch>& offered, Frame& frame,
+                   std::vector<FrameMatch>& matches);
   void drop_dynamic(const Frame& frame, std::vector<FrameMatch>& matches) const;
   void weigh_evidence(Frame& frame, const std::vector<FrameMatch>& matches);
   void follow_motion_since_last(const Frame& frame);

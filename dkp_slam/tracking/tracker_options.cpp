@@ -43,6 +43,9 @@ void TrackerOptions::describe(OptionList& list) {
            "for a measured motion to be believed against constant velocity");
   list.add("use_belief", use_belief,
            "remember of landmarks whether they were seen to move; mode paper goes without");
+  list.add("find_room", find_room,
+           "where near and far landmarks put the camera elsewhere, follow those that extend as far "
+           "as a room; modes off and paper go without");
   list.add_part("belief", belief, "how evidence from single frames adds up in a landmark");
   list.order("urgent_share", "keyframe_share");
 }
