@@ -16,11 +16,11 @@ namespace {
 constexpr std::size_t least_group = 20;
 constexpr std::size_t least_room = 40;
 /// Median distance of landmarks from their middle, metres: of the jacket of somebody who hides half
-/// of the view about 0.1, of a desk 0.2 to 0.4, of what else is seen of a room 0.4 to 1.3.
-constexpr double least_extent = 0.3, larger = 3.0;
+/// of the view 0.07 to 0.21, of a desk 0.24 to 0.38, of what else is seen of a room 0.4 to 2.
+constexpr double most_body = 0.22, least_room_extent = 0.3, larger = 3.0;
 /// Own poses of near and far landmarks are so far apart, metres or radians, only where one of them
-/// moves: in three still or walked-through sequences that a hand turns (fr1_rpy and composites of
-/// it) they are in 8 of 2,073 frames, by rolling shutter and the depth camera's errors.
+/// moves: in sequences that a hand turns (fr1_rpy and composites of it) they are in one frame of a
+/// hundred at most, by rolling shutter and the depth camera's errors, and these show a desk.
 constexpr double apart_way = 0.03, apart_angle = 0.03;
 /// And so sure of it, of chi-square: neither covariance counts such errors.
 constexpr double apart_chi2 = 100.0;
@@ -128,7 +128,8 @@ std::vector<FrameMatch> matches_on_room(const Map& map, const MeasurementModel& 
   if (groups.far.empty()) return {};
   const double near = extent_of(some_of(observations, groups.near));
   const double far = extent_of(some_of(observations, groups.far));
-  if (std::max(near, far) < std::max(least_extent, larger * std::min(near, far))) return {};
+  const double small = std::min(near, far), large = std::max(near, far);
+  if (small > most_body || large < std::max(least_room_extent, larger * small)) return {};
   const auto own = [&](const std::vector<std::size_t>& indices) {
     return own_pose(map.camera(), model, frame.camera_from_world, observations, indices);
   };

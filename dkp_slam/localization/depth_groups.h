@@ -22,8 +22,8 @@ DepthGroups split_by_depth(const Se3& camera_from_world,
 
 /// Of a frame whose pose is about right: its matches that lie on the room, where near and far ones
 /// put the camera elsewhere. That is where somebody has stood so close since the map was begun that
-/// he is most of it, and now walks away. Nobody's body extends as far as a room does: where one of
-/// the groups extends over three times as far as the other, and farther than anybody, it is the
+/// he is most of it, and now walks away. What is seen of a body so close extends less far than a
+/// desk, and a third as far as the rest of a room: where one of the groups does, the other is the
 /// room. Empty where they agree, or it cannot be told.
 std::vector<FrameMatch> matches_on_room(const Map& map, const MeasurementModel& model,
                                         const Frame& frame, const std::vector<FrameMatch>& matches);
