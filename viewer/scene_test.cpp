@@ -1,5 +1,4 @@
 #include "viewer/scene.h"
-#include "tests/support/image_files.h"
 
 #include <cmath>
 #include <memory>
@@ -7,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/image_files.h"
 #include "viewer/cloud.h"
 #include "viewer/test_client.h"
 

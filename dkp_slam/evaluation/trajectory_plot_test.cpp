@@ -1,10 +1,11 @@
 #include "dkp_slam/evaluation/trajectory_plot.h"
-#include "tests/support/image_files.h"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/support/image_files.h"
 
 namespace dkp_slam {
 namespace {

@@ -28,14 +28,6 @@ constexpr double apart_chi2 = 100.0;
 /// next to nothing.
 constexpr double most = 0.5, few = 0.4;
 
-std::vector<PoseObservation> some_of(const std::vector<PoseObservation>& all,
-                                     const std::vector<std::size_t>& indices) {
-  std::vector<PoseObservation> some;
-  some.reserve(indices.size());
-  for (const std::size_t i : indices) some.push_back(all[i]);
-  return some;
-}
-
 /// Median distance from their middle, metres; at least one.
 double extent_of(const std::vector<PoseObservation>& observations) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -86,6 +78,14 @@ bool are_apart(const OwnPose& room, const OwnPose& other) {
 
 }  // namespace
 
+std::vector<PoseObservation> some_of(const std::vector<PoseObservation>& all,
+                                     const std::vector<std::size_t>& indices) {
+  std::vector<PoseObservation> some;
+  some.reserve(indices.size());
+  for (const std::size_t i : indices) some.push_back(all[i]);
+  return some;
+}
+
 DepthGroups split_by_depth(const Se3& camera_from_world,
                            const std::vector<PoseObservation>& observations, std::size_t least) {
   std::vector<double> nearness;
@@ -119,11 +119,7 @@ DepthGroups split_by_depth(const Se3& camera_from_world,
 std::vector<FrameMatch> matches_on_room(const Map& map, const MeasurementModel& model,
                                         const Frame& frame,
                                         const std::vector<FrameMatch>& matches) {
-  std::vector<PoseObservation> observations;
-  observations.reserve(matches.size());
-  for (const FrameMatch& m : matches) {
-    observations.push_back({m.position, observation_of(frame.features, m.feature, map, model)});
-  }
+  const std::vector<PoseObservation> observations = observations_of(frame, matches, map, model);
   const DepthGroups groups = split_by_depth(frame.camera_from_world, observations, least_group);
   if (groups.far.empty()) return {};
   const double near = extent_of(some_of(observations, groups.near));

@@ -20,6 +20,10 @@ struct DepthGroups {
 DepthGroups split_by_depth(const Se3& camera_from_world,
                            const std::vector<PoseObservation>& observations, std::size_t least);
 
+/// Those of one of its groups.
+std::vector<PoseObservation> some_of(const std::vector<PoseObservation>& all,
+                                     const std::vector<std::size_t>& indices);
+
 /// Of a frame whose pose is about right: its matches that lie on the room, where near and far ones
 /// put the camera elsewhere. That is where somebody has stood so close since the map was begun that
 /// he is most of it, and now walks away. What is seen of a body so close extends less far than a

@@ -1,7 +1,7 @@
 #include "dkp_slam/localization/depth_groups.h"
 
-#include <algorithm>
-#include <set>
+#include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,8 @@ using testing::pose_distance;
 
 TEST(SplitByDepth, BetweenTheNearOnesAndTheFarOnes) {
   std::vector<PoseObservation> observations;
-  for (int i = 0; i < 30; ++i) observations.push_back({{0.0, 0.0, i % 3 == 0 ? 0.8 : 3.0}, {}});
+  const Observation anywhere{Eigen::Vector2d::Zero(), 0.0, 1.0};
+  for (int i = 0; i < 30; ++i) observations.push_back({{0, 0, i % 3 == 0 ? 0.8 : 3.0}, anywhere});
   const DepthGroups groups = split_by_depth({}, observations, 5);
   EXPECT_EQ(groups.near.size(), 10U);
   EXPECT_EQ(groups.far.size(), 20U);
@@ -51,10 +52,26 @@ class MatchesOnRoom : public ::testing::Test {
       landmark_of_[static_cast<std::size_t>(shown[f])] = first.landmark[f];
     }
   }
-  /// Points from the first to before the last, each by `motion()`.
-  template <typename Motion>
-  void move(std::size_t first, std::size_t last, const Motion& motion) {
-    for (std::size_t i = first; i < last; ++i) world_.points[i] += motion();
+  void jacket_before_room(int room_points = 120) {
+    jacket(his);
+    room(room_points);
+    see();
+  }
+  /// Points from the first to before the last go the same way.
+  void move(std::size_t first, std::size_t last, const Eigen::Vector3d& way) {
+    for (std::size_t i = first; i < last; ++i) world_.points[i] += way;
+  }
+  void walk_away() { move(0, his, {0.06, 0.0, 0.01}); }
+  /// Each goes its own way, this far to the sides at most.
+  void scatter(std::size_t first, std::size_t last, double reach) {
+    std::uniform_real_distribution<double> way(-reach, reach);
+    for (std::size_t i = first; i < last; ++i) {
+      world_.points[i] += Eigen::Vector3d(way(world_.random), way(world_.random), 0.0);
+    }
+  }
+  static void expect_room_alone(const std::vector<FrameMatch>& matches) {
+    ASSERT_GE(matches.size(), 40U);
+    for (const FrameMatch& m : matches) EXPECT_GT(m.position.z(), 2.0);
   }
   /// What `matches_on_room` gives, with the frame's pose as the tracker has it.
   std::vector<FrameMatch> on_room() {
@@ -70,6 +87,7 @@ class MatchesOnRoom : public ::testing::Test {
     return matches_on_room(map_, model_, frame_, matches);
   }
 
+  static constexpr int his = 200;
   PointWorld world_{0};
   Map map_{world_.camera, 1.2F, 8};
   MeasurementModel model_;
@@ -79,33 +97,23 @@ class MatchesOnRoom : public ::testing::Test {
 };
 
 TEST_F(MatchesOnRoom, WhereSomebodyWhoWasThereFromTheStartWalksAway) {
-  jacket(200);
-  room(120);
-  see();
-  move(0, 200, [] { return Eigen::Vector3d(0.06, 0.0, 0.01); });
+  jacket_before_room();
+  walk_away();
   std::vector<FrameMatch> matches = on_room();
   EXPECT_GT(pose_distance(frame_.camera_from_world, truth_), 0.02) << "most is his";
-  ASSERT_GE(matches.size(), 40U);
-  for (const FrameMatch& m : matches) EXPECT_GT(m.position.z(), 2.0);
+  expect_room_alone(matches);
   refine_pose(map_, model_, frame_, matches);
   EXPECT_LT(pose_distance(frame_.camera_from_world, truth_), 1e-3);
 }
 
 TEST_F(MatchesOnRoom, WhereHeTurnsAsHeGoes) {
-  jacket(200);
-  room(120);
-  see();
-  std::uniform_real_distribution<double> way(-0.1, 0.1);
-  move(0, 200, [&] { return Eigen::Vector3d(way(world_.random), way(world_.random), 0.0); });
-  const std::vector<FrameMatch> matches = on_room();
-  ASSERT_GE(matches.size(), 40U);
-  for (const FrameMatch& m : matches) EXPECT_GT(m.position.z(), 2.0);
+  jacket_before_room();
+  scatter(0, his, 0.1);
+  expect_room_alone(on_room());
 }
 
 TEST_F(MatchesOnRoom, NoneAreAskedForWhereNothingMoves) {
-  jacket(200);
-  room(120);
-  see();
+  jacket_before_room();
   EXPECT_TRUE(on_room().empty());
   EXPECT_LT(pose_distance(frame_.camera_from_world, truth_), 1e-3);
 }
@@ -114,25 +122,20 @@ TEST_F(MatchesOnRoom, SomebodyBehindADeskIsNoRoom) {
   add(200, {0.0, 0.2, 1.0}, {0.5, 0.3, 0.2});  // the desk
   add(120, {0.3, 0.0, 2.5}, {0.25, 0.5, 0.1});
   see();
-  move(200, 320, [] { return Eigen::Vector3d(0.1, 0.0, 0.0); });
+  move(200, 320, {0.1, 0.0, 0.0});
   EXPECT_TRUE(on_room().empty());
 }
 
 TEST_F(MatchesOnRoom, AFewLandmarksAreNoRoom) {
-  jacket(200);
-  room(30);
-  see();
-  move(0, 200, [] { return Eigen::Vector3d(0.06, 0.0, 0.01); });
+  jacket_before_room(30);
+  walk_away();
   EXPECT_TRUE(on_room().empty());
   EXPECT_TRUE(matches_on_room(map_, model_, frame_, {}).empty());
 }
 
 TEST_F(MatchesOnRoom, ARoomThatFallsApartIsNone) {
-  jacket(200);
-  room(120);
-  see();
-  std::uniform_real_distribution<double> way(-0.3, 0.3);
-  move(200, 320, [&] { return Eigen::Vector3d(way(world_.random), way(world_.random), 0.0); });
+  jacket_before_room();
+  scatter(his, his + 120, 0.3);
   EXPECT_TRUE(on_room().empty());
 }
 

@@ -10,13 +10,20 @@ Observation observation_of(const FrameFeatures& features, int feature, const Map
           model.pixel_sigma * map.scale_of(features.level[s])};
 }
 
-int refine_pose(const Map& map, const MeasurementModel& model, Frame& frame,
-                std::vector<FrameMatch>& matches) {
+std::vector<PoseObservation> observations_of(const Frame& frame,
+                                             const std::vector<FrameMatch>& matches, const Map& map,
+                                             const MeasurementModel& model) {
   std::vector<PoseObservation> observations;
   observations.reserve(matches.size());
   for (const FrameMatch& m : matches) {
     observations.push_back({m.position, observation_of(frame.features, m.feature, map, model)});
   }
+  return observations;
+}
+
+int refine_pose(const Map& map, const MeasurementModel& model, Frame& frame,
+                std::vector<FrameMatch>& matches) {
+  const std::vector<PoseObservation> observations = observations_of(frame, matches, map, model);
   const PoseEstimate estimate =
       optimize_pose(map.camera(), model, frame.camera_from_world, observations);
   frame.camera_from_world = estimate.camera_from_world;

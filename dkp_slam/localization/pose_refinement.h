@@ -13,6 +13,11 @@ namespace dkp_slam {
 Observation observation_of(const FrameFeatures& features, int feature, const Map& map,
                            const MeasurementModel& model);
 
+/// What the frame sees of the landmarks that it is matched with, match by match.
+std::vector<PoseObservation> observations_of(const Frame& frame,
+                                             const std::vector<FrameMatch>& matches, const Map& map,
+                                             const MeasurementModel& model);
+
 /// Optimises the frame's pose over the matches, moves it there, and erases the outliers from
 /// `matches`. Returns the number of inliers.
 int refine_pose(const Map& map, const MeasurementModel& model, Frame& frame,

@@ -19,10 +19,7 @@ constexpr std::size_t most_candidates = 5;  // keyframes that get a RANSAC
 /// A first pose from matches with many outliers, which are erased.
 bool align(const Map& map, const MeasurementModel& model, std::uint64_t seed,
            std::vector<FrameMatch>& matches, Frame& frame) {
-  std::vector<PoseObservation> observations;
-  for (const FrameMatch& m : matches) {
-    observations.push_back({m.position, observation_of(frame.features, m.feature, map, model)});
-  }
+  const std::vector<PoseObservation> observations = observations_of(frame, matches, map, model);
   AlignmentOptions options;
   options.least_inliers = least_aligned;
   const auto alignment = align_camera(map.camera(), model, observations, options, seed);

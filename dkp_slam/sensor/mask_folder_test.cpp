@@ -1,5 +1,4 @@
 #include "dkp_slam/sensor/mask_folder.h"
-#include "dkp_slam/export/images/image_file.h"
 
 #include <filesystem>
 #include <string>
@@ -9,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/export/images/image_file.h"
 #include "tests/support/image_files.h"
 
 namespace dkp_slam {

@@ -74,8 +74,7 @@ struct OwnPose {
 
 OwnPose own_pose(const Camera& camera, const MeasurementModel& model, const Se3& of_all,
                  const std::vector<PoseObservation>& all, const std::vector<std::size_t>& group) {
-  std::vector<PoseObservation> observations;
-  for (const std::size_t i : group) observations.push_back(all[i]);
+  const std::vector<PoseObservation> observations = some_of(all, group);
   const Se3 own = optimize_pose(camera, model, of_all, observations).camera_from_world;
   const Matrix6d information = pose_information(camera, model, own, observations);
   const Eigen::LDLT<Matrix6d> held(information + Matrix6d::Identity() / (most_apart * most_apart));

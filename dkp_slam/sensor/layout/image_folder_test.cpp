@@ -1,5 +1,4 @@
 #include "dkp_slam/sensor/layout/image_folder.h"
-#include "dkp_slam/export/images/image_file.h"
 
 #include <cmath>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/export/images/image_file.h"
 #include "dkp_slam/map_file/test_folder.h"
 #include "dkp_slam/sensor/camera_config.h"
 
