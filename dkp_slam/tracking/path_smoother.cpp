@@ -14,8 +14,8 @@ namespace {
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 using Vector12d = Eigen::Matrix<double, 12, 1>;
 
-constexpr std::size_t stretch = 256;  // poses that are solved at once
-constexpr std::size_t overlap = 64;   // beyond which poses have no influence
+constexpr std::size_t stretch = 256;       // poses that are solved at once
+constexpr std::size_t chain_overlap = 64;  // beyond which poses have no influence
 /// The first as good as plain least squares, then each with half the kernel's width until it is the
 /// one asked for: a pose that is far off would else vouch for itself.
 constexpr int iterations = 8, narrowing = 5;
@@ -210,8 +210,8 @@ void smooth_path(std::vector<PathPose>& path, const PathSmootherOptions& options
   smooth.reserve(path.size());
   while (smooth.size() < path.size()) {
     const std::size_t begin = smooth.size(), end = std::min(begin + stretch, path.size());
-    const std::size_t from = begin - std::min(begin, overlap);
-    Chain chain(path, from, std::min(end + overlap, path.size()), options);
+    const std::size_t from = begin - std::min(begin, chain_overlap);
+    Chain chain(path, from, std::min(end + chain_overlap, path.size()), options);
     const std::vector<Se3>& poses = chain.solve();
     smooth.insert(smooth.end(), poses.begin() + static_cast<std::ptrdiff_t>(begin - from),
                   poses.begin() + static_cast<std::ptrdiff_t>(end - from));

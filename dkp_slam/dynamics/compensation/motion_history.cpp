@@ -8,7 +8,7 @@
 namespace dkp_slam {
 namespace {
 
-float depth_at(const DepthView& view, const cv::Point2f& p) {
+float depth_seen_at(const DepthView& view, const cv::Point2f& p) {
   return view.depth.at<float>(std::clamp(cvRound(p.y) / DepthView::step, 0, view.depth.rows - 1),
                               std::clamp(cvRound(p.x) / DepthView::step, 0, view.depth.cols - 1));
 }
@@ -55,8 +55,8 @@ void MotionHistory::add(double time, const DepthView& view, const std::vector<cv
     if (tracks.tracked[i] == 0) continue;
     step.now.push_back(points[i]);
     step.before.push_back(tracks.previous[i]);
-    step.depth_now.push_back(depth_at(view, step.now.back()));
-    step.depth_before.push_back(depth_at(before, step.before.back()));
+    step.depth_now.push_back(depth_seen_at(view, step.now.back()));
+    step.depth_before.push_back(depth_seen_at(before, step.before.back()));
   }
   if (!steps_.empty()) steps_.back().depth = pack(steps_.back().depth);
   steps_.push_back(std::move(step));
