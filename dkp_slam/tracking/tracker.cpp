@@ -85,7 +85,9 @@ bool Tracker::localize(Frame& frame) {
   }
   if (!found && relocalize(map_, places_, model_, seed_, frame) && track_local_map(frame)) {
     // The place may lie in another map, and the way there is no motion of the camera.
-    map_.set_current_map(map_.keyframe(frame.reference_keyframe).map);
+    const int here = map_.keyframe(frame.reference_keyframe).map;
+    if (here != map_.current_map()) begun_ = long_ago;
+    map_.set_current_map(here);
     motion_time_ = 0.0;
     recognised_ = true;
     return true;
@@ -122,7 +124,8 @@ TrackingResult Tracker::go_on_in_another_map(Frame& frame) {
 TrackingResult Tracker::start_another_map(Frame& frame) {
   if (!lost_since_) lost_since_ = frame.timestamp;
   const double lost = frame.timestamp - *lost_since_;
-  if (localize_only_ || lost < options_.longest_loss || !can_start(frame)) return {};
+  const double wait = std::min(options_.longest_loss, 2.0 * (map_time_ - begun_));
+  if (localize_only_ || lost < wait || !can_start(frame)) return {};
   spdlog::warn("frame {}: lost for {:.1f} s, another map is begun", frame.index, lost);
   lost_since_.reset();
   map_.start_map();
@@ -138,7 +141,7 @@ bool Tracker::can_start(const Frame& frame) const {
 TrackingResult Tracker::initialize(const Frame& frame) {
   if (!can_start(frame)) return {};
   state_ = TrackingState::tracking;
-  map_time_ = frame.timestamp;
+  map_time_ = begun_ = frame.timestamp;
   return {true, true};
 }
 

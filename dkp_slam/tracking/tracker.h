@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -55,8 +56,9 @@ struct TrackerOptions {
   int least_to_go_on = 300;
   /// Constant velocity is assumed no longer than this since the map was last seen, seconds.
   double longest_steady = 0.15;
-  /// Another map is begun when no frame has been localised for this long, seconds. Sooner, and a
-  /// hand over the lens would leave pieces behind; later, and what lies between is never mapped.
+  /// Another map is begun when no frame has been localised for this long, seconds, or for twice as
+  /// long as the map was followed: one of a moment is not worth waiting for. Sooner, and a hand
+  /// over the lens would leave pieces behind; later, and what lies between is never mapped.
   double longest_loss = 1.0;
   int least_for_motion = 40;  ///< landmarks tracked in a frame whose motion is believed
   /// Bounds for a measured motion to be believed against constant velocity, m/s^2 and rad/s^2: a
@@ -152,6 +154,8 @@ class Tracker {
   void follow_map_changes();
   void remember(const Frame& frame);
 
+  static constexpr double long_ago = std::numeric_limits<double>::lowest();
+
   Map& map_;
   const PlaceIndex& places_;
   const MeasurementModel model_;
@@ -164,8 +168,9 @@ class Tracker {
   Se3 motion_;                ///< camera at the last frame from camera at the one before
   double motion_time_ = 0.0;  ///< seconds that motion took; 0 when unknown
   double keyframe_time_ = 0.0;
-  Se3 since_last_;         ///< the camera's motion since `last_`, as far as it was measured
-  double map_time_ = 0.0;  ///< of the last frame that was localised in the map
+  Se3 since_last_;           ///< the camera's motion since `last_`, as far as it was measured
+  double map_time_ = 0.0;    ///< of the last frame that was localised in the map
+  double begun_ = long_ago;  ///< of the first frame in the map, where the tracker began it
   std::optional<double> lost_since_;  ///< timestamp of the first frame that was not localised
   bool recognised_ = false;           ///< the frame's place was found by its looks
   int tracked_landmarks_ = 0;

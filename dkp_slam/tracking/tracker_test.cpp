@@ -254,27 +254,31 @@ TEST_F(Tracking, NeedsFeaturesWithDepthForItsStart) {
   EXPECT_EQ(map.keyframe_ids(), 0);
 }
 
-TEST_F(Tracking, BeginsAnotherMapWhenLostForTooLong) {
-  follow(0, 3);
-  PointWorld elsewhere(300);
-  for (Descriptor& d : elsewhere.descriptors) d = world.random_descriptor();
-  elsewhere.points = world.points;
-  world = elsewhere;
-  const int until = 3 + static_cast<int>(options.longest_loss * 30.0);
-  for (int i = 3; i < until; ++i) {
-    Frame frame = frame_at({}, i);
-    ASSERT_FALSE(track(frame).localised) << i;
+/// Follows `seen` frames, then loses the room for `lost`, and begins another map with the next one.
+void expect_another_map_after(Tracking& tracking, int seen, int lost) {
+  tracking.follow(0, seen);
+  for (Descriptor& d : tracking.world.descriptors) d = tracking.world.random_descriptor();
+  for (int i = seen; i < seen + lost; ++i) {
+    Frame frame = tracking.frame_at({}, i);
+    ASSERT_FALSE(tracking.track(frame).localised) << i;
   }
-  EXPECT_EQ(map.maps(), 1);
-  Frame frame = frame_at({}, until);
-  const TrackingResult result = track(frame);
+  EXPECT_EQ(tracking.map.maps(), 1);
+  Frame frame = tracking.frame_at({}, seen + lost);
+  const TrackingResult result = tracking.track(frame);
   EXPECT_TRUE(result.localised);
   EXPECT_TRUE(result.keyframe_due);
-  EXPECT_EQ(map.maps(), 2);
-  EXPECT_EQ(map.current_map(), 1);
-  EXPECT_EQ(map.live_keyframes_in(1), 1);
-  EXPECT_EQ(tracker().state(), TrackingState::tracking);
+  EXPECT_EQ(tracking.map.maps(), 2);
+  EXPECT_EQ(tracking.map.current_map(), 1);
+  EXPECT_EQ(tracking.map.live_keyframes_in(1), 1);
+  EXPECT_EQ(tracking.tracker().state(), TrackingState::tracking);
 }
+
+TEST_F(Tracking, BeginsAnotherMapWhenLostForTooLong) {
+  const int longest = static_cast<int>(options.longest_loss * 30.0);
+  expect_another_map_after(*this, 2 * longest, longest);
+}
+
+TEST_F(Tracking, WaitsForAMapTwiceAsLongAsItFollowedIt) { expect_another_map_after(*this, 5, 8); }
 
 TEST_F(Tracking, GoesOnInAnotherMapWhereItWasCarriedOutOfTheFirst) {
   options.least_to_go_on = 250;
@@ -297,14 +301,14 @@ TEST_F(Tracking, GoesOnInAnotherMapWhereItWasCarriedOutOfTheFirst) {
 }
 
 TEST_F(Tracking, FindsItsPlaceAgainWithinThatTimeAndBeginsNoMap) {
-  follow(0, 3);
-  for (int i = 3; i < 20; ++i) {
+  follow(0, 20);
+  for (int i = 20; i < 37; ++i) {
     Frame blind = frame_at(steady(i), i);
     forget_points(blind, blind.features.size());
     ASSERT_FALSE(track(blind).localised);
   }
   const Se3 truth = pose(0.05, 0.02, 0.0, 0.01);
-  Frame seeing = frame_at(truth, 20);
+  Frame seeing = frame_at(truth, 37);
   ASSERT_TRUE(track(seeing).localised);
   EXPECT_LT(pose_distance(seeing.camera_from_world, truth), 1e-3);
   EXPECT_EQ(map.maps(), 1);

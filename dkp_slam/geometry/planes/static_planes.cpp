@@ -52,8 +52,12 @@ bool StaticPlanes::runs_through_people(const DepthView& view, const cv::Mat& peo
 void StaticPlanes::look(const DepthView& view, const cv::Mat& hidden, const cv::Mat& people,
                         double time, std::uint64_t seed) {
   std::vector<Plane> found = fit_planes(view, hidden, plane_options_, seed);
+  const auto proved = [&](const Known& k) { return is_proved(k); };
   if (!people.empty()) {
     std::erase_if(found, [&](const Plane& p) { return runs_through_people(view, people, p); });
+  } else if (found.empty() && std::none_of(known_.begin(), known_.end(), proved)) {
+    // The box of somebody close hides whatever he stands at: what is larger than he is tells.
+    found = fit_planes(view, {}, larger_than_people(plane_options_), seed);
   }
   update(view, found, time);
 }

@@ -51,6 +51,26 @@ TEST(StaticPlanes, WhatLiesInSomebodyMoreThanElsewhereIsNone) {
   EXPECT_EQ(planes_beside({}), 1U);  // boxes have room in them
 }
 
+TEST(StaticPlanes, WhereABoxHidesAllWhatIsLargerThanAnybodyIsFound) {
+  const Camera camera = testing::vga_camera();
+  constexpr double away = 1.5;  // metres
+  const auto found_of = [&](double width, StaticPlanes known) {
+    cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(0.0F));
+    depth(cv::Rect(100, 0, static_cast<int>(width / away * camera.fx), 480)) = away;
+    const DepthView board = make_depth_view(depth, depth_view_rays(camera));
+    known.look(board, cv::Mat(board.depth.size(), CV_8UC1, cv::Scalar(255)), {}, 0.1, 1);
+    return known.planes();
+  };
+  const StaticPlanes nothing({}, {});
+  ASSERT_EQ(found_of(1.0, nothing).size(), 1U);
+  EXPECT_NEAR(found_of(1.0, nothing)[0].distance, away, 0.01);
+  EXPECT_EQ(found_of(0.5, nothing).size(), 0U);  // as wide as a back
+  // Where the room's planes are known nothing is sought among people: two side by side make one.
+  StaticPlanes known = planes_with_table();
+  known.update(view_of_table(640), {table()}, 0.05);
+  EXPECT_EQ(found_of(1.0, known).size(), 0U);
+}
+
 TEST(StaticPlanes, GoAlongWithTheCamera) {
   StaticPlanes known = planes_with_table();
   // The camera rises by 10 cm: what was 60 cm below is 70 cm below.
