@@ -4,23 +4,6 @@
 # build/views/NAME, that holds no others: whoever does not link a library cannot include its
 # headers, so that an include against the order of docs/architecture.md does not build.
 
-# Tests: what takes most of the compiler's time, other people's headers, is read once for all of them
-# (not in preset debug, which shows what a source forgot to include), and what they do themselves is
-# not worth being optimised more than a little.
-if(DKP_SLAM_TESTS)
-  set(dkp_slam_test_options $<$<CONFIG:Release>:-O1>)
-  if(CCACHE_PROGRAM AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-    list(APPEND dkp_slam_test_options -fpch-preprocess)
-  endif()
-  add_library(dkp_slam_test_headers OBJECT ${CMAKE_SOURCE_DIR}/tests/support/headers.cpp)
-  target_compile_options(dkp_slam_test_headers PRIVATE ${dkp_slam_test_options})
-  target_link_libraries(dkp_slam_test_headers PRIVATE Eigen3::Eigen opencv_core opencv_imgproc fmt::fmt GTest::gtest)
-  target_precompile_headers(dkp_slam_test_headers PRIVATE
-    <algorithm> <chrono> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <optional> <random> <string>
-    <thread> <vector> <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <gmock/gmock.h> <gtest/gtest.h>
-    <opencv2/core.hpp> <opencv2/imgproc.hpp>)
-endif()
-
 # dkp_slam_library(NAME [SOURCES file...] [USES folder-target...] [LINK library...] [PRIVATE library...])
 #   NAME     of the folder under dkp_slam/, "/" as "_": target dkp_slam_NAME
 #   USES     other folders whose headers this one may include
@@ -51,6 +34,23 @@ function(dkp_slam_library name)
     target_link_libraries(${target} INTERFACE ${arg_USES} ${arg_LINK})
   endif()
 endfunction()
+
+# Tests: what takes most of the compiler's time, other people's headers, is read once for all of them
+# (not in preset debug, which shows what a source forgot to include), and what they do themselves is
+# not worth being optimised more than a little.
+if(DKP_SLAM_TESTS)
+  set(dkp_slam_test_options $<$<CONFIG:Release>:-O1>)
+  if(CCACHE_PROGRAM AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    list(APPEND dkp_slam_test_options -fpch-preprocess)
+  endif()
+  add_library(dkp_slam_test_headers OBJECT ${CMAKE_SOURCE_DIR}/tests/support/headers.cpp)
+  target_compile_options(dkp_slam_test_headers PRIVATE ${dkp_slam_test_options})
+  target_link_libraries(dkp_slam_test_headers PRIVATE Eigen3::Eigen opencv_core opencv_imgproc fmt::fmt GTest::gtest)
+  target_precompile_headers(dkp_slam_test_headers PRIVATE
+    <algorithm> <chrono> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <optional> <random> <string>
+    <thread> <vector> <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <gmock/gmock.h> <gtest/gtest.h>
+    <opencv2/core.hpp> <opencv2/imgproc.hpp>)
+endif()
 
 # dkp_slam_test(NAME [AT_ONCE] [RECORDINGS] [COST seconds] source...): one test program per folder,
 # its cases known to ctest one by one, or all AT_ONCE where they share what takes long to make. With

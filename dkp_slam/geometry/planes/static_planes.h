@@ -55,7 +55,8 @@ class StaticPlanes {
   void update(const DepthView& view, const std::vector<Plane>& found, double time);
   /// Finds planes in a frame outside `hidden`, and updates. One that lies in `people` more than
   /// elsewhere is none of the room: two backs side by side, a monitor and an arm. Both CV_8UC1 of
-  /// the view's size, or empty.
+  /// the view's size, or empty. Where boxes alone are hidden (`people` is empty), leave no plane,
+  /// and none has been known for long, what is larger than people is looked for in them, too.
   void look(const DepthView& view, const cv::Mat& hidden, const cv::Mat& people, double time,
             std::uint64_t seed);
   const PlaneOptions& plane_options() const { return plane_options_; }
