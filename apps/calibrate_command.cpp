@@ -31,7 +31,7 @@ struct CalibrateArguments {
   std::string camera, mode = "off";
   fs::path out, plot;
   std::vector<std::string> lengths;
-  bool bias = false, focal = false, distortion = false;
+  bool bias = false, focal = false, principal_point = false, distortion = false;
   ConfigOptions config;
 };
 
@@ -97,6 +97,7 @@ void calibrate_camera(const CalibrateArguments& arguments) {
   CalibrationOptions options;
   options.bias = arguments.bias;
   options.focal = arguments.focal;
+  options.principal_point = arguments.principal_point;
   options.distortion = arguments.distortion;
   options.lengths = lengths_of(arguments);
   options.stop = &interrupt_flag();
@@ -152,6 +153,8 @@ void add_calibrate_command(CLI::App& program) {
       ->check(check_figure_name);
   command->add_flag("--bias", arguments->bias, "Find the bias of depth, too");
   command->add_flag("--focal", arguments->focal, "Find the focal lengths, too");
+  command->add_flag("--principal-point", arguments->principal_point,
+                    "Find the principal point, too");
   command->add_flag("--distortion", arguments->distortion, "Find the lens distortion, too");
   command->add_option(
       "--length", arguments->lengths,

@@ -21,11 +21,15 @@ ParameterChoice times_and_bias() {
   return free;
 }
 
-Adjustment adjusted(const World& world, Camera start, std::vector<Window>* windows = nullptr) {
+std::vector<Window> small_windows(const World& world, const Camera& start) {
   WindowOptions options;
   options.points = 50;
   options.least_points = 10;
-  std::vector<Window> made = make_windows(frames_of(world), start, options);
+  return make_windows(frames_of(world), start, options);
+}
+
+Adjustment adjusted(const World& world, Camera start, std::vector<Window>* windows = nullptr) {
+  std::vector<Window> made = small_windows(world, start);
   Adjustment found = adjust_windows(made, start, parameters_of(start), times_and_bias());
   if (windows) *windows = made;
   return found;
@@ -106,6 +110,33 @@ TEST(Adjustment, FindsTheFocalLength) {
   const Adjustment found = adjust_windows(windows, start, parameters_of(start), free);
   EXPECT_NEAR(found.parameters[fx_parameter], 525.0, 1.5);
   EXPECT_NEAR(found.parameters[fy_parameter], 525.0, 1.5);
+}
+
+Adjustment adjusted_principal_point(const World& world, double cx, double cy) {
+  Camera start = without_readout(world);
+  start.cx += cx;
+  start.cy += cy;
+  std::vector<Window> windows = small_windows(world, start);
+  ParameterChoice free = times_and_bias();
+  free[cx_parameter] = free[cy_parameter] = true;
+  return adjust_windows(windows, start, parameters_of(start), free);
+}
+
+TEST(Adjustment, FindsThePrincipalPoint) {
+  const World world;
+  const Camera truth = camera_of(world);
+  const Adjustment found = adjusted_principal_point(world, 6.0, -4.0);
+  EXPECT_NEAR(found.parameters[cx_parameter], truth.cx, 1.0);
+  EXPECT_NEAR(found.parameters[cy_parameter], truth.cy, 1.0);
+}
+
+/// Moved to and fro without a turn, another principal point is a world a little sheared.
+TEST(Adjustment, KnowsThatACameraThatDoesNotTurnHidesThePrincipalPoint) {
+  World world;
+  world.turn = 0.0;
+  const Adjustment found = adjusted_principal_point(world, 6.0, -4.0);
+  EXPECT_GT(std::sqrt(found.covariance(cx_parameter, cx_parameter)), 1.5);
+  EXPECT_GT(std::sqrt(found.covariance(cy_parameter, cy_parameter)), 1.5);
 }
 
 TEST(Profile, RowsLieOnALineOfTheReadout) {

@@ -45,6 +45,7 @@ class Calibrator {
     free_[readout_parameter] = free_[delay_parameter] = true;
     free_[bias_parameter] = options.bias;
     if (options.focal) free_[fx_parameter] = free_[fy_parameter] = true;
+    if (options.principal_point) free_[cx_parameter] = free_[cy_parameter] = true;
     if (options.distortion) {
       for (int p : {k1_parameter, k2_parameter, p1_parameter, p2_parameter, k3_parameter})
         free_[static_cast<std::size_t>(p)] = true;
@@ -169,18 +170,8 @@ class Calibrator {
     out_.delay_before = state_.depth.delay;
     Camera camera = with_parameters(state_.config.camera, p);
     camera.readout = std::clamp(rounded(camera.readout, 1e-6), 0.0, frame);
-    if (options_.focal) {
-      camera.fx = rounded(camera.fx, 1e-3);
-      camera.fy = rounded(camera.fy, 1e-3);
-      const double worst =
-          std::max(sigmas_[fx_parameter] / camera.fx, sigmas_[fy_parameter] / camera.fy);
-      if (worst > options_.most_focal_sigma) {
-        throw Error(
-            fmt::format("calibrate: the focal length would be known to {:.1f} %, {:g} % is "
-                        "needed; turn the camera further, or leave out --focal",
-                        100.0 * worst, 100.0 * options_.most_focal_sigma));
-      }
-    }
+    if (options_.focal) take_focal(camera);
+    if (options_.principal_point) take_principal_point(camera);
     if (const auto reason = camera.check()) {
       throw Error("calibrate: what was found makes no camera (" + *reason +
                   "); give a camera file that is nearer to the truth");
@@ -192,6 +183,30 @@ class Calibrator {
     out_.windows = static_cast<int>(windows.size());
     out_.sightings = found.sightings;
     out_.depths = found.depths;
+  }
+
+  void take_focal(Camera& camera) const {
+    camera.fx = rounded(camera.fx, 1e-3);
+    camera.fy = rounded(camera.fy, 1e-3);
+    const double worst =
+        std::max(sigmas_[fx_parameter] / camera.fx, sigmas_[fy_parameter] / camera.fy);
+    if (worst <= options_.most_focal_sigma) return;
+    throw Error(
+        fmt::format("calibrate: the focal length would be known to {:.1f} %, {:g} % is "
+                    "needed; turn the camera further, or leave out --focal",
+                    100.0 * worst, 100.0 * options_.most_focal_sigma));
+  }
+
+  void take_principal_point(Camera& camera) const {
+    camera.cx = rounded(camera.cx, 1e-3);
+    camera.cy = rounded(camera.cy, 1e-3);
+    const double worst = std::max(sigmas_[cx_parameter], sigmas_[cy_parameter]);
+    const double most = options_.most_principal_point_sigma * camera.width / 640.0;
+    if (worst <= most) return;
+    throw Error(fmt::format(
+        "calibrate: the principal point would be known to {:.1f} pixels, {:g} are needed; turn the "
+        "camera further, also about its line of sight, or leave out --principal-point",
+        worst, most));
   }
 
   void find_scale() {
@@ -247,6 +262,8 @@ class Calibrator {
     };
     lens("fx", start_.fx, c.fx, fx_parameter);
     lens("fy", start_.fy, c.fy, fy_parameter);
+    lens("cx", start_.cx, c.cx, cx_parameter);
+    lens("cy", start_.cy, c.cy, cy_parameter);
     const Distortion &a = start_.distortion, &b = c.distortion;
     lens("k1", a.k1, b.k1, k1_parameter);
     lens("k2", a.k2, b.k2, k2_parameter);

@@ -25,6 +25,7 @@ struct CalibrationOptions {
   /// Also find the bias of depth. Off: the less is sought, the surer it is.
   bool bias = false;
   bool focal = false;                ///< also find fx and fy
+  bool principal_point = false;      ///< also find cx and cy
   bool distortion = false;           ///< also find k1, k2, p1, p2, k3
   std::vector<KnownLength> lengths;  ///< in the first sequence; give the depth scale
   /// The map is made anew with what was found until that changes no more.
@@ -33,6 +34,8 @@ struct CalibrationOptions {
   double most_readout_sigma = 0.0015, most_delay_sigma = 0.003, most_bias_sigma = 0.01;
   /// Of the focal lengths, relative.
   double most_focal_sigma = 0.01;
+  /// Of the principal point, in pixels of an image 640 wide.
+  double most_principal_point_sigma = 1.5;
   WindowOptions windows;
   const std::atomic<bool>* stop = nullptr;  ///< ends it with an `Error` when set; may be null
 };
