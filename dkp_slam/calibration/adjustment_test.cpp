@@ -21,16 +21,13 @@ ParameterChoice times_and_bias() {
   return free;
 }
 
-std::vector<Window> small_windows(const World& world, const Camera& start) {
+Adjustment adjusted(const World& world, Camera start, std::vector<Window>* windows = nullptr,
+                    const ParameterChoice& free = times_and_bias()) {
   WindowOptions options;
   options.points = 50;
   options.least_points = 10;
-  return make_windows(frames_of(world), start, options);
-}
-
-Adjustment adjusted(const World& world, Camera start, std::vector<Window>* windows = nullptr) {
-  std::vector<Window> made = small_windows(world, start);
-  Adjustment found = adjust_windows(made, start, parameters_of(start), times_and_bias());
+  std::vector<Window> made = make_windows(frames_of(world), start, options);
+  Adjustment found = adjust_windows(made, start, parameters_of(start), free);
   if (windows) *windows = made;
   return found;
 }
@@ -116,10 +113,9 @@ Adjustment adjusted_principal_point(const World& world, double cx, double cy) {
   Camera start = without_readout(world);
   start.cx += cx;
   start.cy += cy;
-  std::vector<Window> windows = small_windows(world, start);
   ParameterChoice free = times_and_bias();
   free[cx_parameter] = free[cy_parameter] = true;
-  return adjust_windows(windows, start, parameters_of(start), free);
+  return adjusted(world, start, nullptr, free);
 }
 
 TEST(Adjustment, FindsThePrincipalPoint) {
