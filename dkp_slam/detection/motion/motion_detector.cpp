@@ -33,7 +33,6 @@ MotionDetector::MotionDetector(const Camera& camera, const MotionDetectorOptions
 void MotionDetector::restart() {
   past_.clear();
   background_.clear();
-  planes_.forget();
   log_odds_ = cv::Mat::zeros(grid_.size(), CV_32FC1);
   standing_ = cv::Mat::zeros(grid_.size(), CV_32FC1);
   moving_ = cv::Mat::zeros(grid_.size(), CV_8UC1);
@@ -63,7 +62,11 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
   const CoarseView view = grid_.view(grey, frame.depth);
   const double seconds = past_.empty() ? 0.0 : frame.timestamp - past_.back().timestamp;
   const EgoMotion motion = ego_.update(grey, frame.depth, trust());
-  if (!past_.empty() && (!motion.valid || seconds <= 0.0 || seconds > options_.max_gap)) restart();
+  const bool late = seconds <= 0.0 || seconds > options_.max_gap;
+  if (late) planes_.forget();
+  // Where the motion alone is unknown, the room's planes stay: somebody who fills the view just now
+  // would be the room of a detector that knows nothing.
+  if (!past_.empty() && (late || !motion.valid)) restart();
   find_planes(frame, motion.current_from_previous);
 
   const cv::Mat none = cv::Mat::zeros(grid_.size(), CV_8UC1);

@@ -190,6 +190,25 @@ TEST(MotionDetector, ThePlaneThatWasThereIsTheRoomAndNotTwoBacks) {
   }
 }
 
+TEST(MotionDetector, ThePlaneThatWasThereIsTheRoomAlsoAfterAFrameThatShowsNoMotion) {
+  const World world;
+  MotionDetectorOptions forgetful;
+  forgetful.static_planes.proof = forgetful.static_planes.large_proof = 1e9;
+  MotionDetector detector(test_camera()), misled(test_camera(), forgetful);
+  constexpr int still = 20;  // frames
+  for (int i = 0; i < still + 15; ++i) {
+    const double angle = 0.02 * std::max(0, i - still);
+    World::Shot shot = behind_somebody(world.shoot(i, 0.0, 0.0, false), angle, i >= still);
+    if (i == still) shot.frame.colour.setTo(0);  // no corner to follow, before it nor after
+    const cv::Mat found = mask_of(detector.detect(shot.frame), shot.board.size());
+    const cv::Mat less = mask_of(misled.detect(shot.frame), shot.board.size());
+    if (i < still + 11) continue;
+    EXPECT_GT(share(found, shot.board), 0.6) << "frame " << i;  // his middle does not move
+    EXPECT_LT(share(found, ~shot.board), 0.05) << "frame " << i;
+    EXPECT_LT(share(less, shot.board), 0.1) << "frame " << i;
+  }
+}
+
 TEST(MotionDetector, FindsWhatComesInBeforeAStillCamera) {
   const World world;
   MotionDetector detector(test_camera());
