@@ -21,16 +21,26 @@ void ORT_API_CALL forward_log(void*, OrtLoggingLevel level, const char*, const c
 }
 
 Ort::Env& environment() {
-  // One per process, as ONNX Runtime asks.
-  static Ort::Env env(ORT_LOGGING_LEVEL_ERROR, "dkp-slam", forward_log, nullptr);
+  // One per process, as ONNX Runtime asks. It is never released: with CUDA that breaks the heap at
+  // exit ("corrupted double-linked list", ONNX Runtime 1.18 to 1.29), after all is done.
+  static Ort::Env& env = *new Ort::Env(ORT_LOGGING_LEVEL_ERROR, "dkp-slam", forward_log, nullptr);
   return env;
 }
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// Adds the wanted provider and returns the name of the one that will run.
-std::string choose_provider(const std::string& wanted, Ort::SessionOptions& session_options) {
-  if (wanted == "cpu") return "cpu";
+/// What went wrong, without ONNX Runtime's own functions before it and its source lines after it.
+std::string reason(const Ort::Exception& error) {
+  std::string line = first_line(error.what());
+  for (const std::string mark : {" : FAIL : ", "] "}) {
+    if (const auto at = line.rfind(mark); at != std::string::npos) line.erase(0, at + mark.size());
+  }
+  return line.substr(0, line.find(" ; "));
+}
+
+/// Whether the installed ONNX Runtime knows the provider; a warning says where it does not.
+bool has_provider(const std::string& wanted) {
+  if (wanted == "cpu") return true;
   const std::string full_name = wanted == "cuda"       ? "CUDAExecutionProvider"
                                 : wanted == "tensorrt" ? "TensorrtExecutionProvider"
                                                        : "";
@@ -38,39 +48,48 @@ std::string choose_provider(const std::string& wanted, Ort::SessionOptions& sess
     throw Error("unknown execution provider '" + wanted + "'; use cpu, cuda or tensorrt");
   }
   const std::vector<std::string> available = Ort::GetAvailableProviders();
-  if (std::find(available.begin(), available.end(), full_name) == available.end()) {
-    spdlog::warn("the installed ONNX Runtime has no provider '{}'; detection runs on the cpu",
-                 wanted);
-    return "cpu";
+  if (std::find(available.begin(), available.end(), full_name) != available.end()) return true;
+  spdlog::warn("the installed ONNX Runtime has no provider '{}'; detection runs on the cpu",
+               wanted);
+  return false;
+}
+
+/// Adds the provider; throws Ort::Exception where it lacks a library.
+void add_provider(const std::string& wanted, Ort::SessionOptions& session_options) {
+  if (wanted == "tensorrt") {
+    Ort::TensorRTProviderOptions tensorrt;
+    tensorrt.Update({{"device_id", "0"}});  // loads it, so that what it lacks is said
+    session_options.AppendExecutionProvider_TensorRT_V2(*tensorrt);
   }
-  try {
-    if (wanted == "cuda") {
-      session_options.AppendExecutionProvider_CUDA(OrtCUDAProviderOptions{});
-    } else {
-      session_options.AppendExecutionProvider_TensorRT(OrtTensorRTProviderOptions{});
-    }
-  } catch (const Ort::Exception& error) {
-    spdlog::warn("the provider '{}' does not start ({}); detection runs on the cpu", wanted,
-                 first_line(error.what()));
-    return "cpu";
+  if (wanted != "cpu") {  // with TensorRT: what that does not take
+    Ort::CUDAProviderOptions cuda;
+    // TF32 is no faster with a network this small (H200), and moves scores by up to .02; without it
+    // they are the CPU's to 5 digits. Trying every algorithm only makes the start longer.
+    cuda.Update({{"use_tf32", "0"}, {"cudnn_conv_algo_search", "HEURISTIC"}});
+    session_options.AppendExecutionProvider_CUDA_V2(*cuda);
   }
-  return wanted;
 }
 
 class OnnxNetwork : public YoloxNetwork {
  public:
   OnnxNetwork(const YoloxOptions& options, const std::string& bytes) {
-    Ort::SessionOptions session_options;
-    session_options.SetIntraOpNumThreads(options.threads);
-    session_options.SetInterOpNumThreads(1);
-    session_options.SetExecutionMode(ORT_SEQUENTIAL);
-    session_options.SetGraphOptimizationLevel(ORT_ENABLE_ALL);
-    // Idle threads must not spin: tracking and mapping share the cores.
-    session_options.AddConfigEntry("session.intra_op.allow_spinning", "0");
-    session_options.AddConfigEntry("session.inter_op.allow_spinning", "0");
-    provider_ = choose_provider(options.provider, session_options);
+    provider_ = has_provider(options.provider) ? options.provider : "cpu";
+    if (provider_ != "cpu") {
+      // What it lacks shows here (a library), when the session is made (a device) or in the first
+      // run (memory, kernels).
+      try {
+        open(options, bytes);
+        bind(options.model.string());
+        run_session();
+        return;
+      } catch (const Ort::Exception& error) {
+        spdlog::warn("the provider '{}' does not start ({}); detection runs on the cpu", provider_,
+                     reason(error));
+        provider_ = "cpu";
+      }
+    }
     try {
-      session_ = Ort::Session(environment(), bytes.data(), bytes.size(), session_options);
+      open(options, bytes);
     } catch (const Ort::Exception& error) {
       throw Error("'" + options.model.string() + "' is not a model that ONNX Runtime can load (" +
                   first_line(error.what()) +
@@ -84,11 +103,8 @@ class OnnxNetwork : public YoloxNetwork {
   float* input() override { return input_.data(); }
 
   const float* run() override {
-    const char* input_name = input_name_.c_str();
-    const char* output_name = output_name_.c_str();
     try {
-      session_.Run(Ort::RunOptions{nullptr}, &input_name, &input_tensor_, 1, &output_name,
-                   &output_tensor_, 1);
+      run_session();
     } catch (const Ort::Exception& error) {
       throw Error("ONNX Runtime failed on the detection model: " + first_line(error.what()));
     }
@@ -96,6 +112,28 @@ class OnnxNetwork : public YoloxNetwork {
   }
 
  private:
+  void open(const YoloxOptions& options, const std::string& bytes) {
+    // Before a provider is added: loading one writes to the environment's log, and fails without.
+    Ort::Env& env = environment();
+    Ort::SessionOptions session_options;
+    session_options.SetIntraOpNumThreads(options.threads);
+    session_options.SetInterOpNumThreads(1);
+    session_options.SetExecutionMode(ORT_SEQUENTIAL);
+    session_options.SetGraphOptimizationLevel(ORT_ENABLE_ALL);
+    // Idle threads must not spin: tracking and mapping share the cores.
+    session_options.AddConfigEntry("session.intra_op.allow_spinning", "0");
+    session_options.AddConfigEntry("session.inter_op.allow_spinning", "0");
+    add_provider(provider_, session_options);
+    session_ = Ort::Session(env, bytes.data(), bytes.size(), session_options);
+  }
+
+  void run_session() {
+    const char* input_name = input_name_.c_str();
+    const char* output_name = output_name_.c_str();
+    session_.Run(Ort::RunOptions{nullptr}, &input_name, &input_tensor_, 1, &output_name,
+                 &output_tensor_, 1);
+  }
+
   /// Checks the shapes and lays tensors over our own buffers, so that a run allocates nothing.
   void bind(const std::string& model) {
     const auto shape = [](const Ort::TypeInfo& info) {
