@@ -23,6 +23,33 @@ void mark_outliers(const Camera& camera, const MeasurementModel& model,
   }
 }
 
+/// Puts poses back and holds them, with the points that they alone see, where too few of their
+/// sightings are shared.
+void hold_loose_poses(const BundleProblem& problem, int least_shared, BundleSolution& solution) {
+  std::vector<int> seen(problem.points.size(), 0), shared(problem.poses.size(), 0);
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    seen[static_cast<std::size_t>(problem.sightings[i].point)] += solution.outlier[i] ? 0 : 1;
+  }
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    const BundleProblem::Sighting& s = problem.sightings[i];
+    const bool with_others = !solution.outlier[i] && seen[static_cast<std::size_t>(s.point)] > 1;
+    shared[static_cast<std::size_t>(s.pose)] += with_others ? 1 : 0;
+  }
+  std::vector<char> loose(problem.poses.size(), 0);
+  for (std::size_t i = 0; i < problem.poses.size(); ++i) {
+    if (problem.poses[i].fixed || shared[i] >= least_shared) continue;
+    loose[i] = 1;
+    solution.poses[i] = problem.poses[i];
+    solution.poses[i].fixed = true;
+  }
+  for (const BundleProblem::Sighting& s : problem.sightings) {
+    const auto point = static_cast<std::size_t>(s.point);
+    if (loose[static_cast<std::size_t>(s.pose)] && seen[point] < 2) {
+      solution.points[point] = problem.points[point];
+    }
+  }
+}
+
 }  // namespace
 
 BundleSolution adjust_bundle(const Camera& camera, const MeasurementModel& model,
@@ -36,11 +63,14 @@ BundleSolution adjust_bundle(const Camera& camera, const MeasurementModel& model
   const auto free_poses = std::count_if(problem.poses.begin(), problem.poses.end(),
                                         [](const auto& p) { return !p.fixed; });
   const auto solve = free_poses <= dense_limit ? solve_dense_bundle : solve_sparse_bundle;
+  hold_loose_poses(problem, options.least_shared, solution);
   bool good = solve(camera, model, problem, first, stop, solution);
   mark_outliers(camera, model, problem, solution);
+  hold_loose_poses(problem, options.least_shared, solution);
   if (good && options.drop_outliers && !(stop && *stop)) {
     good = solve(camera, model, problem, options.iterations - first, stop, solution);
     mark_outliers(camera, model, problem, solution);
+    hold_loose_poses(problem, options.least_shared, solution);
   }
   solution.usable = good && !(stop && *stop);
   return solution;

@@ -12,6 +12,9 @@ struct BundleOptions {
   int iterations = 10;
   /// Sightings beyond the chi-square bound after half of the iterations are left out of the rest.
   bool drop_outliers = true;
+  /// A pose with fewer sightings of points that others see, too, stays where it is: a handful of
+  /// points, wrong ones among them, can throw it metres away.
+  int least_shared = 10;
 
   void describe(OptionList& list);
   void check() const;  ///< throws `Error`, which names field, value and bound

@@ -70,6 +70,39 @@ TEST(BundleAdjustment, FindsTheWrongSightings) {
   }
 }
 
+TEST(BundleAdjustment, APoseThatSharesAHandfulOfPointsStays) {
+  // The last one shares eight points with the others, five of them matched wrongly; what else it
+  // sees, it alone sees, and wrongly.
+  Scene scene(120);
+  Truth truth = disturbed(scene);
+  BundleProblem& problem = truth.problem;
+  std::erase_if(problem.sightings, [](const auto& s) { return s.pose == 5 && s.point >= 8; });
+  for (auto& s : problem.sightings) {
+    if (s.pose == 5 && s.point < 5) s.seen.pixel += Eigen::Vector2d(60.0 * s.point - 90.0, 80.0);
+  }
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d alone = scene.points[static_cast<std::size_t>(i + 40)];
+    problem.points.push_back({200 + i, alone});
+    problem.sightings.push_back(
+        {5, static_cast<int>(problem.points.size()) - 1, scene.exact(truth.poses[5], alone * 1.1)});
+  }
+  BundleOptions free{30, true}, held{30, true};
+  free.least_shared = 0;
+  const BundleSolution thrown = adjust_bundle(scene.camera, {}, problem, free);
+  const BundleSolution s = adjust_bundle(scene.camera, {}, problem, held);
+  ASSERT_TRUE(s.usable);
+  const auto error = [&](const BundleSolution& of, std::size_t k) {
+    return (of.poses[k].camera_from_world * truth.poses[k].inverse()).log().norm();
+  };
+  EXPECT_GT(error(thrown, 5), 0.1);
+  const Se3 &before = problem.poses[5].camera_from_world, &after = s.poses[5].camera_from_world;
+  EXPECT_EQ(after.translation, before.translation);
+  EXPECT_EQ(after.rotation.coeffs(), before.rotation.coeffs());
+  EXPECT_TRUE(s.poses[5].fixed);
+  EXPECT_EQ(s.points.back().position, problem.points.back().position);
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_LT(error(s, k), 1e-3) << k;
+}
+
 /// Noise, wrong pixels, wrong and missing depths, a point of one sighting, two fixed poses.
 Truth noisy(Scene& scene) {
   Truth truth = disturbed(scene);

@@ -30,7 +30,7 @@ struct BundleProblem {
 };
 
 struct BundleSolution {
-  std::vector<BundleProblem::Pose> poses;    ///< the problem's, moved
+  std::vector<BundleProblem::Pose> poses;    ///< the problem's, moved; `fixed` where held
   std::vector<BundleProblem::Point> points;  ///< the problem's, moved
   std::vector<char> outlier;                 ///< one per sighting
   bool usable = false;                       ///< false when stopped early or the solver failed

@@ -40,7 +40,7 @@ class DenseBundle {
         pixel_chi2_(model.pixel_chi2),
         depth_chi2_(model.depth_chi2),
         state_(state) {
-    for (const BundleProblem::Pose& p : problem.poses) {
+    for (const BundleProblem::Pose& p : state.poses) {
       free_index_.push_back(p.fixed ? -1 : free_poses_++);
     }
     sort_by_point(model, problem);

@@ -20,6 +20,8 @@ void BundleOptions::describe(OptionList& list) {
   list.add("iterations", iterations, between(1, 1000), "", "of the solver");
   list.add("drop_outliers", drop_outliers,
            "leave out sightings that are outliers after half of the iterations");
+  list.add("least_shared", least_shared, at_least(0), "",
+           "sightings of points that others see, too, of a pose that moves");
 }
 
 void BundleOptions::check() const { check_options(*this); }

@@ -94,7 +94,7 @@ class Round {
       double* block = poses_[i].data();
       if (!ceres_.HasParameterBlock(block)) continue;
       ceres_.SetManifold(block, &manifold_);
-      if (problem.poses[i].fixed) ceres_.SetParameterBlockConstant(block);
+      if (state.poses[i].fixed) ceres_.SetParameterBlockConstant(block);
     }
   }
 

@@ -33,10 +33,30 @@ MotionDetector::MotionDetector(const Camera& camera, const MotionDetectorOptions
 void MotionDetector::restart() {
   past_.clear();
   background_.clear();
+  planes_.forget();
   log_odds_ = cv::Mat::zeros(grid_.size(), CV_32FC1);
   standing_ = cv::Mat::zeros(grid_.size(), CV_32FC1);
   moving_ = cv::Mat::zeros(grid_.size(), CV_8UC1);
   on_planes_ = cv::Mat::zeros(grid_.size(), CV_8UC1);
+}
+
+// Of somebody who fills the view just now a detector that knows nothing would make the room.
+void MotionDetector::go_on_without_motion(const CoarseView& view) {
+  const cv::Mat before = past_.back().view.depth;
+  past_.clear();
+  background_.clear();
+  standing_.setTo(0.0);
+  log_odds_.forEach<float>([&](float& log_odds, const int* at) {
+    const float z = view.depth.at<float>(at[0], at[1]), z_before = before.at<float>(at[0], at[1]);
+    const bool same = z > 0.0F && std::abs(z - z_before) < options_.keep_step * z;
+    log_odds = same ? std::max(log_odds, 0.0F) : 0.0F;
+  });
+}
+
+cv::Mat MotionDetector::moving_cells(const CoarseView& view) const {
+  cv::Mat moving = grow_motion(log_odds_, view.depth, grid_, options_.regions);
+  moving.setTo(0, on_planes_);
+  return moving;
 }
 
 void MotionDetector::check(const RgbdFrame& frame) const {
@@ -62,18 +82,19 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
   const CoarseView view = grid_.view(grey, frame.depth);
   const double seconds = past_.empty() ? 0.0 : frame.timestamp - past_.back().timestamp;
   const EgoMotion motion = ego_.update(grey, frame.depth, trust());
-  const bool late = seconds <= 0.0 || seconds > options_.max_gap;
-  if (late) planes_.forget();
-  // Where the motion alone is unknown, the room's planes stay: somebody who fills the view just now
-  // would be the room of a detector that knows nothing.
-  if (!past_.empty() && (late || !motion.valid)) restart();
+  if (seconds <= 0.0 || seconds > options_.max_gap) {
+    restart();
+  } else if (!motion.valid) {
+    go_on_without_motion(view);
+  }
   find_planes(frame, motion.current_from_previous);
 
   const cv::Mat none = cv::Mat::zeros(grid_.size(), CV_8UC1);
   if (past_.empty()) {
-    background_.update(view.depth, none, none, none);
+    moving_ = moving_cells(view);
+    background_.update(view.depth, none, moving_, none);
     past_.push_back({frame.timestamp, view, Se3()});
-    return {};
+    return motion_detections(moving_, log_odds_, grid_, frame.colour.size(), options_.regions);
   }
   for (Past& past : past_) {
     past.current_from_past = motion.current_from_previous * past.current_from_past;
@@ -86,7 +107,7 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
   background_.move(motion.current_from_previous);
   const cv::Mat depth_evidence = background_.compare(view.depth);
   gather(view, depth_evidence, evidence, seconds);
-  moving_ = grow_motion(log_odds_, view.depth, grid_, options_.regions);
+  moving_ = moving_cells(view);
 
   const cv::Mat absorb = standing_ > options_.absorb_after;
   background_.update(view.depth, depth_evidence, moving_, absorb);

@@ -40,6 +40,8 @@ struct MotionDetectorOptions {
   float same_gain = 0.1F;    ///< depth alone agrees
   /// Share of the depth by which a cell may differ from the one that its evidence comes from.
   float carry_step = 0.04F;
+  /// The same where nobody knows how the camera moved: cells are taken for what was there before.
+  float keep_step = 0.15F;
   float limit = 4.0F;  ///< log-odds stay within this
   EgoMotionOptions ego;
   /// The room's, which count in full for the camera's motion as what has long stood still does.
@@ -86,6 +88,12 @@ class MotionDetector : public Detector {
 
   void check(const RgbdFrame& frame) const;
   void restart();
+  /// To a view of which nobody knows how the camera came there: what moved is still there, and the
+  /// room's planes are known; how the room looked is not.
+  void go_on_without_motion(const CoarseView& view);
+  /// CV_8UC1, 255 on what moves. The room's planes do not, also where who stands there grew over
+  /// them.
+  cv::Mat moving_cells(const CoarseView& view) const;
   const Past& flow_partner(double timestamp) const;
   /// How much each cell of the last frame says about the camera's motion, 0 to 1.
   cv::Mat trust() const;

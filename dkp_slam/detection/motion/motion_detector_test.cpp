@@ -209,6 +209,19 @@ TEST(MotionDetector, ThePlaneThatWasThereIsTheRoomAlsoAfterAFrameThatShowsNoMoti
   }
 }
 
+TEST(MotionDetector, WhoMovedIsStillThereInAFrameThatShowsNoMotion) {
+  const World world;
+  MotionDetector detector(test_camera());
+  for (int i = 0; i < 20; ++i) {
+    World::Shot shot = world.shoot(i, camera_step * i, -0.4 + 0.035 * i);
+    if (i == 14) shot.frame.colour.setTo(0);  // no corner to follow, before it nor after
+    const cv::Mat mask = mask_of(detector.detect(shot.frame), shot.board.size());
+    if (i < 10) continue;
+    EXPECT_GT(share(mask, shot.board), 0.6) << "frame " << i;
+    EXPECT_GT(share(shot.board, mask), 0.6) << "frame " << i;
+  }
+}
+
 TEST(MotionDetector, FindsWhatComesInBeforeAStillCamera) {
   const World world;
   MotionDetector detector(test_camera());

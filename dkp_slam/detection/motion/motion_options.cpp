@@ -83,6 +83,8 @@ void MotionDetectorOptions::describe(OptionList& list) {
            "a frame takes where depth alone agrees");
   list.add("carry_step", carry_step, between(0, 1), "",
            "share of the depth by which a cell may differ from that its evidence comes from");
+  list.add("keep_step", keep_step, between(0, 1), "",
+           "the same where the camera's motion is unknown");
   list.add("limit", limit, above(0), "log-odds", "that evidence stays within");
   list.add_part("ego", ego, "the camera's own motion");
   list.add_part("planes", planes, "of the room, which tell the camera's motion from the start");
