@@ -53,10 +53,10 @@ void MotionDetector::go_on_without_motion(const CoarseView& view) {
   });
 }
 
-cv::Mat MotionDetector::moving_cells(const CoarseView& view) const {
-  cv::Mat moving = grow_motion(log_odds_, view.depth, grid_, options_.regions);
-  moving.setTo(0, on_planes_);
-  return moving;
+std::vector<Detection> MotionDetector::found(const cv::Size& image_size) const {
+  cv::Mat moving = moving_.clone();
+  moving.setTo(0, on_planes_ & (log_odds_ < options_.regions.seed));
+  return motion_detections(moving, log_odds_, grid_, image_size, options_.regions);
 }
 
 void MotionDetector::check(const RgbdFrame& frame) const {
@@ -91,10 +91,10 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
 
   const cv::Mat none = cv::Mat::zeros(grid_.size(), CV_8UC1);
   if (past_.empty()) {
-    moving_ = moving_cells(view);
+    moving_ = grow_motion(log_odds_, view.depth, grid_, options_.regions);
     background_.update(view.depth, none, moving_, none);
     past_.push_back({frame.timestamp, view, Se3()});
-    return motion_detections(moving_, log_odds_, grid_, frame.colour.size(), options_.regions);
+    return found(frame.colour.size());
   }
   for (Past& past : past_) {
     past.current_from_past = motion.current_from_previous * past.current_from_past;
@@ -107,7 +107,7 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
   background_.move(motion.current_from_previous);
   const cv::Mat depth_evidence = background_.compare(view.depth);
   gather(view, depth_evidence, evidence, seconds);
-  moving_ = moving_cells(view);
+  moving_ = grow_motion(log_odds_, view.depth, grid_, options_.regions);
 
   const cv::Mat absorb = standing_ > options_.absorb_after;
   background_.update(view.depth, depth_evidence, moving_, absorb);
@@ -117,7 +117,7 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
   while (past_.size() > 2 && frame.timestamp - past_[1].timestamp >= options_.flow_interval) {
     past_.pop_front();
   }
-  return motion_detections(moving_, log_odds_, grid_, frame.colour.size(), options_.regions);
+  return found(frame.colour.size());
 }
 
 void MotionDetector::find_planes(const RgbdFrame& frame, const Se3& current_from_previous) {

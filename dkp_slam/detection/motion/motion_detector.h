@@ -91,9 +91,9 @@ class MotionDetector : public Detector {
   /// To a view of which nobody knows how the camera came there: what moved is still there, and the
   /// room's planes are known; how the room looked is not.
   void go_on_without_motion(const CoarseView& view);
-  /// CV_8UC1, 255 on what moves. The room's planes do not, also where who stands there grew over
-  /// them.
-  cv::Mat moving_cells(const CoarseView& view) const;
+  /// What moves, without the room's planes that regions grew over. The camera's motion is found
+  /// without those parts, too: an arm that leans on a desk is not told from it (measured: worse).
+  std::vector<Detection> found(const cv::Size& image_size) const;
   const Past& flow_partner(double timestamp) const;
   /// How much each cell of the last frame says about the camera's motion, 0 to 1.
   cv::Mat trust() const;
