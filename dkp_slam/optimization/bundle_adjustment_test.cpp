@@ -103,6 +103,22 @@ TEST(BundleAdjustment, APoseThatSharesAHandfulOfPointsStays) {
   for (std::size_t k = 0; k < 5; ++k) EXPECT_LT(error(s, k), 1e-3) << k;
 }
 
+TEST(BundleAdjustment, WhereAllPosesShareAHandfulPointsAloneMove) {
+  Scene scene(5);
+  const Truth truth = disturbed(scene);
+  const BundleSolution s = adjust_bundle(scene.camera, {}, truth.problem);
+  ASSERT_TRUE(s.usable);
+  for (std::size_t k = 0; k < s.poses.size(); ++k) {
+    EXPECT_EQ(s.poses[k].camera_from_world.translation,
+              truth.problem.poses[k].camera_from_world.translation);
+  }
+  double moved = 0.0;
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
+    moved += (s.points[i].position - truth.problem.points[i].position).norm();
+  }
+  EXPECT_GT(moved, 0.0);
+}
+
 /// Noise, wrong pixels, wrong and missing depths, a point of one sighting, two fixed poses.
 Truth noisy(Scene& scene) {
   Truth truth = disturbed(scene);
