@@ -63,14 +63,16 @@ BundleSolution adjust_bundle(const Camera& camera, const MeasurementModel& model
   const auto free_poses = std::count_if(problem.poses.begin(), problem.poses.end(),
                                         [](const auto& p) { return !p.fixed; });
   const auto solve = free_poses <= dense_limit ? solve_dense_bundle : solve_sparse_bundle;
-  hold_loose_poses(problem, options.least_shared, solution);
-  bool good = solve(camera, model, problem, first, stop, solution);
-  mark_outliers(camera, model, problem, solution);
-  hold_loose_poses(problem, options.least_shared, solution);
-  if (good && options.drop_outliers && !(stop && *stop)) {
-    good = solve(camera, model, problem, options.iterations - first, stop, solution);
+  const auto solve_and_judge = [&](int iterations) {
+    const bool good = solve(camera, model, problem, iterations, stop, solution);
     mark_outliers(camera, model, problem, solution);
     hold_loose_poses(problem, options.least_shared, solution);
+    return good;
+  };
+  hold_loose_poses(problem, options.least_shared, solution);
+  bool good = solve_and_judge(first);
+  if (good && options.drop_outliers && !(stop && *stop)) {
+    good = solve_and_judge(options.iterations - first);
   }
   solution.usable = good && !(stop && *stop);
   return solution;
