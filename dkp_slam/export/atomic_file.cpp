@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -47,6 +48,34 @@ void check_place(const fs::path& path) {
   }
 }
 
+/// A file without a name in the folder of `target`, so that nothing is left of it however the
+/// process ends. Not every file system has such files: network and stacked ones may not.
+class NamelessFile {
+ public:
+  explicit NamelessFile(const fs::path& target)
+      : file_(::open(target.has_parent_path() ? target.parent_path().c_str() : ".",
+                     O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666)),
+        path_(fmt::format("/proc/self/fd/{}", file_)) {}
+  ~NamelessFile() {
+    if (file_ >= 0) ::close(file_);
+  }
+  NamelessFile(const NamelessFile&) = delete;
+  NamelessFile& operator=(const NamelessFile&) = delete;
+
+  bool exists() const { return file_ >= 0 && ::access(path_.c_str(), W_OK) == 0; }
+  /// Where others may open it.
+  const fs::path& path() const { return path_; }
+
+  /// False, with `errno` set, where it cannot have this name; no file that is there is replaced.
+  bool take_name(const fs::path& name) const {
+    return ::linkat(AT_FDCWD, path_.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  }
+
+ private:
+  int file_;
+  fs::path path_;
+};
+
 using Fill = std::function<void(std::ostream&)>;
 
 void write_directly(const fs::path& file, const fs::path& named, const Fill& fill) {
@@ -74,8 +103,15 @@ void write_file_atomically(const fs::path& path, const Fill& fill) {
   const fs::path target = target_of(path);
   const fs::path temporary = temporary_beside(target);
   std::error_code ignored;
+  fs::remove(temporary, ignored);  // of a process that had this number before
   try {
-    write_directly(temporary, path, fill);
+    const NamelessFile nameless(target);
+    write_directly(nameless.exists() ? nameless.path() : temporary, path, fill);
+    if (nameless.exists()) {
+      if (nameless.take_name(target)) return;
+      // Only a renaming replaces a file: for a moment what is whole has the temporary name.
+      if (!nameless.take_name(temporary)) fail(path, std::strerror(errno));
+    }
   } catch (...) {  // memory may have run out as well
     fs::remove(temporary, ignored);
     throw;
@@ -94,7 +130,9 @@ void check_writable(const fs::path& path) {
     if (::access(path.c_str(), W_OK) != 0) fail(path, std::strerror(errno));
     return;
   }
-  const fs::path temporary = temporary_beside(target_of(path));
+  const fs::path target = target_of(path);
+  if (NamelessFile(target).exists()) return;
+  const fs::path temporary = temporary_beside(target);
   write_directly(temporary, path, [](std::ostream&) {});
   std::error_code ignored;
   fs::remove(temporary, ignored);
@@ -102,12 +140,13 @@ void check_writable(const fs::path& path) {
 
 GrowingFile::GrowingFile(fs::path path) : path_(std::move(path)) {
   check_place(path_);
-  const fs::path temporary = temporary_beside(path_);
+  const NamelessFile nameless(path_);
+  const fs::path temporary = nameless.exists() ? nameless.path() : temporary_beside(path_);
   errno = 0;
   stream_.open(temporary, std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
   if (!stream_) fail(path_, std::strerror(errno));
   std::error_code ignored;
-  fs::remove(temporary, ignored);
+  if (!nameless.exists()) fs::remove(temporary, ignored);
 }
 
 void GrowingFile::append(std::string_view text) {

@@ -8,9 +8,11 @@
 
 namespace dkp_slam {
 
-/// Writes the whole file or leaves what was there: the content goes into a temporary file beside it
-/// that then takes its name. A device or pipe is written to directly; of a symbolic link the target
-/// is replaced. Throws `Error` when the file cannot be written.
+/// Writes the whole file or leaves what was there: the content goes into a file in the same folder
+/// that takes its name when it is whole. Until then that has no name, so that nothing is left of it
+/// if the process is killed; where the file system has no such files (NFS), it has that of the file
+/// with `.PID.tmp` behind it. A device or pipe is written to directly; of a symbolic link the
+/// target is replaced. Throws `Error` when the file cannot be written.
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
 /// The same for content that is too long to be held in memory: `fill` writes it.
 void write_file_atomically(const std::filesystem::path& path,

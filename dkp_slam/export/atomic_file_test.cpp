@@ -1,5 +1,6 @@
 #include "dkp_slam/export/atomic_file.h"
 
+#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <new>
@@ -8,6 +9,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "dkp_slam/error.h"
 
@@ -65,6 +68,29 @@ TEST_F(AtomicFile, WhateverKeepsItFromBeingWrittenLeavesNoTemporaryFile) {
                std::bad_alloc);
   EXPECT_EQ(content(path), "first");
   EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(AtomicFile, AKillWhileItIsWrittenLeavesNothing) {
+  const fs::path path = folder_ / "a.txt";
+  for (const char* before : {"", "first"}) {
+    if (*before != '\0') write_file_atomically(path, before);
+    const pid_t writer = ::fork();
+    ASSERT_GE(writer, 0);
+    if (writer == 0) {
+      write_file_atomically(path, [](std::ostream& stream) {
+        stream << std::string(1 << 20, 'x') << std::flush;
+        ::raise(SIGKILL);
+      });
+      ::_exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(writer, &status, 0), writer);
+    EXPECT_TRUE(WIFSIGNALED(status));
+    EXPECT_EQ(files(), *before == '\0' ? 0U : 1U);
+    if (*before != '\0') {
+      EXPECT_EQ(content(path), before);
+    }
+  }
 }
 
 TEST_F(AtomicFile, AGrowingFileShowsOnceItIsSaved) {
