@@ -31,7 +31,7 @@ struct SynthArguments {
   std::string trajectory;
   std::string noise = "kinect";
   bool rolling_shutter = false;
-  std::optional<double> readout;
+  std::optional<double> readout, depth_readout;
   double depth_scale = 5000.0;
   DepthCorrection depth;
   bool force = false;
@@ -53,6 +53,7 @@ SyntheticOptions options_of(const SynthArguments& arguments) {
   // The Kinect's and the Xtion's, as in config/tum_fr3.yaml.
   if (arguments.rolling_shutter) options.camera.readout = 0.020;
   if (arguments.readout) options.camera.readout = *arguments.readout;
+  options.camera.depth_readout = arguments.depth_readout;
   options.camera.depth_scale = arguments.depth_scale;
   options.depth_delay = arguments.depth.delay;
   options.depth_bias = arguments.depth.bias;
@@ -158,6 +159,10 @@ void add_synth_command(CLI::App& program) {
   command->add_option("--readout", arguments->readout, "The same in so many seconds")
       ->check(CLI::Range(0.0, 1.0))
       ->excludes(rolling);
+  command
+      ->add_option("--depth-readout", arguments->depth_readout,
+                   "The same of the depth image, if it differs; 0: all of it at one moment")
+      ->check(CLI::Range(0.0, 1.0));
   add_depth_options(*command, *arguments);
   command->add_flag("--force", arguments->force,
                     "Write into a folder not made by this command; files of the names that this "

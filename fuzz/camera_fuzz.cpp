@@ -26,6 +26,7 @@ std::vector<std::string> seeds() {
   camera.cy = 239.5;
   camera.distortion.k1 = -0.1;
   camera.readout = 0.02;
+  camera.depth_readout = 0.01;
   return {camera_text(camera, {0.01, -0.002}),
           "width: 640\nheight: 480\nfx: 500\nfy: 500\ncx: 320\ncy: 240\ndepth_scale: 5000\n"
           "distortion: [0, 0, 0, 0, 0]\n",

@@ -49,6 +49,20 @@ TEST(Adjustment, FindsReadoutDelayAndBias) {
   EXPECT_NEAR(found.noise.depth, 0.3, 0.05);
 }
 
+TEST(Adjustment, FindsTheSameWithDepthOfOneMoment) {
+  World world;
+  world.depth_readout = 0.0;
+  world.turn = 0.3;
+  const Adjustment found = adjusted(world, without_readout(world));
+  EXPECT_NEAR(found.parameters[readout_parameter], world.readout, 6e-4);
+  EXPECT_NEAR(found.parameters[delay_parameter], world.delay, 8e-4);
+  EXPECT_NEAR(found.noise.depth, 0.3, 0.05);
+  Camera as_colour = without_readout(world);
+  as_colour.depth_readout.reset();
+  EXPECT_GT(adjusted(world, as_colour).noise.depth, 1.1 * found.noise.depth)
+      << "as if it were read as colour is";
+}
+
 TEST(Adjustment, FindsThatNothingIsWrong) {
   World world;
   world.readout = world.delay = world.bias = 0.0;

@@ -124,10 +124,10 @@ class Group {
     constexpr double step = 1e-3;  // seconds
     Camera later = camera_;
     later.readout += step;
-    const cv::Point2f moved = at_middle_row(later, features.seen_pixel[f], features.raw_pixel[f].y,
-                                            features.depth[f], velocity) -
-                              at_middle_row(camera_, features.seen_pixel[f],
-                                            features.raw_pixel[f].y, features.depth[f], velocity);
+    const ImagePoint point{features.seen_pixel[f], features.seen_depth[f]};
+    const float row = features.raw_pixel[f].y;
+    const cv::Point2f moved = at_middle_row(later, point, row, velocity).pixel -
+                              at_middle_row(camera_, point, row, velocity).pixel;
     return Eigen::Vector2d(moved.x, moved.y) / step;
   }
 

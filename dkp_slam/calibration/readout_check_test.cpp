@@ -42,7 +42,7 @@ Mapped mapped(const World& world, double readout) {
     for (std::size_t k = 0; k < points.size(); ++k) {
       double z = 0.0;
       const Eigen::Vector2d at =
-          testing::seen_pixel(world, testing::camera_of(world), points[k], time, &z);
+          testing::seen_pixel(world, testing::camera_of(world), points[k], time, world.readout, &z);
       if (at.x() < 10 || at.x() > 630 || at.y() < 10 || at.y() > 470) continue;
       pixel.emplace_back(float(at.x() + world.pixel_noise * normal(random)),
                          float(at.y() + world.pixel_noise * normal(random)));

@@ -117,14 +117,14 @@ ErrorTerm<2> pixel_error(const MotionSpline& motion, const Eigen::Vector3d& poin
 ErrorTerm<1> depth_error(const MotionSpline& motion, const Eigen::Vector3d& point,
                          const TimedSighting& seen, const Parameters& parameters, bool lens) {
   const double bias = parameters[bias_parameter];
-  const double time =
-      seen.depth_time + parameters[delay_parameter] + seen.row * parameters[readout_parameter];
+  const double row_delay = seen.depth_row_delay.value_or(seen.row * parameters[readout_parameter]);
+  const double time = seen.depth_time + parameters[delay_parameter] + row_delay;
   auto term = term_at<1>(motion, time, point, parameters, lens,
                          [&](const auto* pose, const auto* x, const auto* l, auto* r) {
                            return depth_residual(pose, x, l, bias, seen, r);
                          });
   if (!term.valid) return term;
-  term.by_parameter.col(readout_parameter) = seen.row * term.by_time;
+  if (!seen.depth_row_delay) term.by_parameter.col(readout_parameter) = seen.row * term.by_time;
   term.by_parameter.col(delay_parameter) = term.by_time;
   // By the bias of 1 / (z - bias), which is what was measured but for the error.
   const double sensed = term.error[0] + seen.depth.inverse;

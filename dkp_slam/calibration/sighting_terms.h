@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "dkp_slam/calibration/motion_spline.h"
 #include "dkp_slam/calibration/parameters.h"
 #include "dkp_slam/calibration/sightings.h"
@@ -13,6 +15,9 @@ struct TimedSighting {
   Eigen::Vector2d pixel;                ///< raw
   double sigma = 1.0;                   ///< pixels, relative to the other sightings
   DepthPatch depth;
+  /// Seconds, of its row in the depth image after the middle one's, where the camera's
+  /// `depth_readout` is known; nothing: as in the colour image.
+  std::optional<double> depth_row_delay;
 };
 
 /// An error and its derivatives.

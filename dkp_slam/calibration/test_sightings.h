@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -11,6 +12,7 @@ namespace dkp_slam::testing {
 /// What is wrong with a camera, and how it moves.
 struct World {
   double readout = 0.02, delay = 0.008, bias = 0.03;
+  std::optional<double> depth_readout;  ///< nothing: as readout
   double pixel_noise = 0.5;
   double turn = 0.15, way = 0.10;  ///< amplitudes, radians and metres
   /// Instead of both: moves evenly, metres per second.
@@ -25,6 +27,7 @@ inline Camera camera_of(const World& world) {
   camera.cx = 319.5;
   camera.cy = 239.5;
   camera.readout = world.readout;
+  camera.depth_readout = world.depth_readout;
   return camera;
 }
 
@@ -40,11 +43,12 @@ inline Se3 pose_at(const World& world, double t) {
 
 /// Where a point is seen by a camera whose rows are read one after the other.
 inline Eigen::Vector2d seen_pixel(const World& world, const Camera& camera,
-                                  const Eigen::Vector3d& point, double time, double* depth) {
+                                  const Eigen::Vector3d& point, double time, double readout,
+                                  double* depth) {
   double row = 0.0;
   Eigen::Vector2d pixel;
   for (int i = 0; i < 6; ++i) {
-    const Eigen::Vector3d p = pose_at(world, time + row * world.readout).inverse() * point;
+    const Eigen::Vector3d p = pose_at(world, time + row * readout).inverse() * point;
     pixel = camera.project(p);
     row = pixel.y() / camera.height - 0.5;
     *depth = p.z();
@@ -81,13 +85,14 @@ inline std::vector<SightedFrame> frames_of(const World& world) {
       double z = 0.0, later_z = 0.0;
       SeenLandmark seen;
       seen.landmark = static_cast<int>(k);
-      seen.pixel = seen_pixel(world, camera, points[k], frame.time, &z);
+      seen.pixel = seen_pixel(world, camera, points[k], frame.time, world.readout, &z);
       if (z < 0.3 || seen.pixel.x() < 10 || seen.pixel.x() > 630 || seen.pixel.y() < 10 ||
           seen.pixel.y() > 470) {
         continue;
       }
       // Each point lies on a surface that faces the camera.
-      seen.depth.pixel = seen_pixel(world, camera, points[k], frame.time + world.delay, &later_z);
+      seen.depth.pixel = seen_pixel(world, camera, points[k], frame.time + world.delay,
+                                    world.depth_readout.value_or(world.readout), &later_z);
       const double noise = 0.3 * camera.depth_noise.sigma(later_z) * normal(random);
       seen.depth.inverse = 1.0 / (later_z - world.bias + noise);
       seen.pixel.x() += world.pixel_noise * normal(random);

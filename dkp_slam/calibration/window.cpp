@@ -4,10 +4,13 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <span>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Dense>
+
+#include "dkp_slam/geometry/rolling_shutter.h"
 
 namespace dkp_slam {
 namespace {
@@ -80,8 +83,12 @@ void add_points(Frames frames, const Camera& camera, const WindowOptions& option
     const auto& seen = by_landmark[landmark];
     if (!place_point(seen, camera, window_from_world, point.position)) continue;
     for (const auto& [frame, s] : seen) {
-      point.seen.push_back({frame->time, frame->depth_time, s->pixel.y() / camera.height - 0.5,
-                            s->pixel, s->sigma, s->depth});
+      const double row = s->pixel.y() / camera.height - 0.5;
+      const auto row_delay = camera.depth_readout
+                                 ? std::optional(depth_row_delay(camera, s->pixel.y()))
+                                 : std::nullopt;
+      point.seen.push_back(
+          {frame->time, frame->depth_time, row, s->pixel, s->sigma, s->depth, row_delay});
     }
     window.points.push_back(std::move(point));
   }

@@ -27,7 +27,7 @@ struct StaticView {
   cv::Mat colour;         ///< BGR
   Se3 world_from_camera;  ///< when the middle row of depth was taken
   /// Tangent (translation, rotation) per second of the camera's motion in its own frame; with it
-  /// the rows of a rolling shutter find their moment (Camera::readout).
+  /// the rows of a rolling shutter find their moment (Camera::depth_readout).
   Vector6d velocity = Vector6d::Zero();
 };
 

@@ -54,6 +54,7 @@ FrameFeatures::FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth_image,
         moved ? carried_depth(depth_image, camera, depth_from_colour, pixel[i], raw_pixel[i])
               : depth_at(depth_image, raw_pixel[i]));
   }
+  seen_depth = depth;
   build_grid();
 }
 
@@ -63,6 +64,7 @@ FrameFeatures::FrameFeatures(const Camera& camera, std::vector<cv::Point2f> pixe
     : pixel(std::move(pixels)),
       seen_pixel(pixel),
       depth(std::move(depths)),
+      seen_depth(depth),
       level(std::move(levels)),
       angle(std::move(angles)),
       descriptor(std::move(descriptors)),
@@ -78,8 +80,9 @@ FrameFeatures::FrameFeatures(const Camera& camera, std::vector<cv::Point2f> pixe
 
 std::size_t FrameFeatures::memory() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values[0]); };
-  return bytes(pixel) + bytes(seen_pixel) + bytes(raw_pixel) + bytes(depth) + bytes(level) +
-         bytes(angle) + bytes(descriptor) + bytes(cell_start_) + bytes(cell_members_);
+  return bytes(pixel) + bytes(seen_pixel) + bytes(raw_pixel) + bytes(depth) + bytes(seen_depth) +
+         bytes(level) + bytes(angle) + bytes(descriptor) + bytes(cell_start_) +
+         bytes(cell_members_);
 }
 
 FrameFeatures FrameFeatures::subset(const std::vector<char>& keep) const {
@@ -88,6 +91,7 @@ FrameFeatures FrameFeatures::subset(const std::vector<char>& keep) const {
   out.seen_pixel = selected(seen_pixel, keep);
   out.raw_pixel = selected(raw_pixel, keep);
   out.depth = selected(depth, keep);
+  out.seen_depth = selected(seen_depth, keep);
   out.level = selected(level, keep);
   out.angle = selected(angle, keep);
   out.descriptor = selected(descriptor, keep);
@@ -99,7 +103,10 @@ FrameFeatures FrameFeatures::subset(const std::vector<char>& keep) const {
 
 void FrameFeatures::correct_rolling_shutter(const Camera& camera, const Vector6d& velocity) {
   for (std::size_t i = 0; i < pixel.size(); ++i) {
-    pixel[i] = at_middle_row(camera, seen_pixel[i], raw_pixel[i].y, depth[i], velocity);
+    const ImagePoint seen{seen_pixel[i], seen_depth[i]};
+    const ImagePoint middle = at_middle_row(camera, seen, raw_pixel[i].y, velocity);
+    pixel[i] = middle.pixel;
+    depth[i] = middle.depth;
   }
   build_grid();
 }

@@ -24,8 +24,8 @@ class FrameFeatures {
   FrameFeatures(const OrbFeatures& orb, const cv::Mat& depth, const Camera& camera,
                 const Se3& depth_from_colour = {});
   /// From stored values, all of one length: `pixel` undistorted, depth, level, angle and descriptor
-  /// as in the members below. Where the pixels were before a correction for the rolling shutter is
-  /// not known any more; they are taken as never corrected.
+  /// as in the members below. What pixels and depths were before a correction for the rolling
+  /// shutter is not known any more; they are taken as never corrected.
   FrameFeatures(const Camera& camera, std::vector<cv::Point2f> pixel, std::vector<float> depth,
                 std::vector<std::uint8_t> level, std::vector<float> angle,
                 std::vector<Descriptor> descriptor);
@@ -38,7 +38,8 @@ class FrameFeatures {
   std::size_t memory() const;
 
   /// Moves every pixel to where it would have been seen at the middle row's moment by a camera of
-  /// that velocity (see at_middle_row). Replaces an earlier correction.
+  /// that velocity, and its depth to what it was then (see at_middle_row). Replaces an earlier
+  /// correction.
   void correct_rolling_shutter(const Camera& camera, const Vector6d& velocity);
 
   /// Features within `radius` pixels of `centre` in a square, on levels [lowest, highest].
@@ -55,7 +56,8 @@ class FrameFeatures {
   std::vector<cv::Point2f> pixel;       ///< undistorted pixels, corrected for the rolling shutter
   std::vector<cv::Point2f> seen_pixel;  ///< undistorted pixels, not corrected
   std::vector<cv::Point2f> raw_pixel;   ///< as seen through the lens
-  std::vector<float> depth;             ///< metres; 0 where unknown
+  std::vector<float> depth;             ///< metres, corrected likewise; 0 where unknown
+  std::vector<float> seen_depth;        ///< metres, not corrected
   std::vector<std::uint8_t> level;      ///< pyramid level
   std::vector<float> angle;             ///< degrees, 0..360
   std::vector<Descriptor> descriptor;

@@ -78,6 +78,32 @@ TEST(FrameFeatures, DepthOfAnotherMomentIsCarriedBack) {
   EXPECT_NEAR(features.depth[2], 3.01F, 1e-5);
 }
 
+TEST(FrameFeatures, DepthIsThatOfTheMiddleRowToo) {
+  // Towards what is seen at 1 m/s: the first row is read 10 ms before the middle one, 1 cm farther
+  // away, the last one 1 cm nearer. Once more with no motion: as it was seen.
+  Camera camera = plain_camera();
+  camera.readout = 0.02;
+  OrbFeatures orb;
+  for (float v : {0.0F, 240.0F, 479.0F}) {
+    orb.keypoints.emplace_back(320.0F, v, 31.0F, 0.0F, 1.0F, 0);
+    orb.descriptors.emplace_back();
+  }
+  FrameFeatures features(orb, cv::Mat(480, 640, CV_32F, cv::Scalar(2.0)), camera);
+  Vector6d forward = Vector6d::Zero();
+  forward[2] = -1.0;
+  features.correct_rolling_shutter(camera, forward);
+  EXPECT_NEAR(features.depth[0], 1.99F, 1e-4);
+  EXPECT_NEAR(features.depth[1], 2.0F, 1e-4);
+  EXPECT_NEAR(features.depth[2], 2.01F, 1e-4);
+  features.correct_rolling_shutter(camera, Vector6d::Zero());
+  for (const float depth : features.depth) EXPECT_EQ(depth, 2.0F);
+  camera.depth_readout = 0.0;
+  features.correct_rolling_shutter(camera, forward);
+  for (const float depth : features.depth) EXPECT_EQ(depth, 2.0F) << "of one moment";
+  const FrameFeatures last = features.subset({0, 0, 1});
+  EXPECT_EQ(last.seen_depth, std::vector<float>{2.0F});
+}
+
 TEST(FrameFeatures, ComeBackFromTheirParts) {
   Camera camera = plain_camera();
   camera.distortion.k1 = 0.1;
@@ -90,6 +116,7 @@ TEST(FrameFeatures, ComeBackFromTheirParts) {
   std::vector<int> expected, found;
   for (std::size_t i = 0; i < 30; ++i) {
     EXPECT_EQ(back.seen_pixel[i], all.seen_pixel[i]);  // it was corrected by nothing
+    EXPECT_EQ(back.seen_depth[i], all.seen_depth[i]);
     EXPECT_NEAR(back.raw_pixel[i].x, all.raw_pixel[i].x, 0.02);
     EXPECT_NEAR(back.raw_pixel[i].y, all.raw_pixel[i].y, 0.02);
     all.find(all.pixel[i], 40.0F, 0, 7, expected);

@@ -39,8 +39,11 @@ struct Camera {
   double max_depth = 8.0;       ///< metres; farther readings are unknown
   double baseline = 0.075;      ///< metres, of the virtual right camera (a Kinect's projector)
   double frame_rate = 30.0;     ///< colour images per second
-  double readout =
-      0.0;  ///< seconds from the first row's exposure to the last one's; 0: global shutter
+  /// Seconds from the colour image's first row's exposure to the last one's; 0: global shutter.
+  double readout = 0.0;
+  /// The same of the depth image; nothing: as colour's, as in a Kinect. Time-of-flight cameras and
+  /// stereo cameras with a global shutter have 0.
+  std::optional<double> depth_readout;
   DepthNoise depth_noise;
 
   /// Undistorted pixel of a point in the camera frame (z > 0 is the caller's duty).

@@ -33,15 +33,17 @@ TEST(RollingShutter, MiddleRowStaysAndRowsAreReadFromTopToBottom) {
   EXPECT_DOUBLE_EQ(row_delay(camera, 0.0), -0.01);
   EXPECT_DOUBLE_EQ(row_delay(camera, 480.0), 0.01);
   const cv::Point2f pixel(100.0F, 240.0F);
-  EXPECT_EQ(at_middle_row(camera, pixel, 240.0F, 2.0F, velocity(1, 1, 1, 1, 1, 1)), pixel);
+  const ImagePoint there = at_middle_row(camera, {pixel, 2.0F}, 240.0F, velocity(1, 1, 1, 1, 1, 1));
+  EXPECT_EQ(there.pixel, pixel);
+  EXPECT_EQ(there.depth, 2.0F);
 }
 
 TEST(RollingShutter, ATurnMovesTopAndBottomApart) {
   // 1 rad/s about the vertical axis, at the image's middle column: 500 px * 1 rad/s * 10 ms.
   const Camera camera = rolling_camera();
   const Vector6d turn = velocity(0, 0, 0, 0, 1.0, 0);
-  EXPECT_NEAR(at_middle_row(camera, {320.0F, 0.0F}, 0.0F, 2.0F, turn).x, 325.0F, 0.05F);
-  EXPECT_NEAR(at_middle_row(camera, {320.0F, 480.0F}, 480.0F, 2.0F, turn).x, 315.0F, 0.05F);
+  EXPECT_NEAR(at_middle_row(camera, {{320.0F, 0.0F}, 2.0F}, 0.0F, turn).pixel.x, 325.0F, 0.05F);
+  EXPECT_NEAR(at_middle_row(camera, {{320.0F, 480.0F}, 2.0F}, 480.0F, turn).pixel.x, 315.0F, 0.05F);
 }
 
 TEST(RollingShutter, UndoesWhatTheMovingCameraSaw) {
@@ -51,19 +53,21 @@ TEST(RollingShutter, UndoesWhatTheMovingCameraSaw) {
     const Eigen::Vector3d middle = camera.unproject({200.0, row}, 1.5);
     const Eigen::Vector2d p = seen(camera, middle, v, row);
     const float depth = static_cast<float>((Se3::exp(row_delay(camera, row) * v) * middle).z());
-    const cv::Point2f back =
-        at_middle_row(camera, {float(p.x()), float(p.y())}, float(row), depth, v);
+    const ImagePoint back =
+        at_middle_row(camera, {{float(p.x()), float(p.y())}, depth}, float(row), v);
     EXPECT_GT((p - Eigen::Vector2d(200.0, row)).norm(), row == 240.0 ? 0.0 : 0.5) << row;
-    EXPECT_NEAR(back.x, 200.0, 0.1) << row;
-    EXPECT_NEAR(back.y, row, 0.1) << row;
+    EXPECT_NEAR(back.pixel.x, 200.0, 0.1) << row;
+    EXPECT_NEAR(back.pixel.y, row, 0.1) << row;
+    EXPECT_NEAR(back.depth, 1.5, 2e-4) << row;
   }
 }
 
 TEST(RollingShutter, UnknownDepthIsTakenAsFar) {
   // 1 m/s sideways at 10 ms moves a point 8 m away by 500 * 0.01 / 8 px.
-  const cv::Point2f p =
-      at_middle_row(rolling_camera(), {320.0F, 480.0F}, 480.0F, 0.0F, velocity(1, 0, 0, 0, 0, 0));
-  EXPECT_NEAR(p.x, 320.0F - 0.625F, 0.001F);
+  const ImagePoint p =
+      at_middle_row(rolling_camera(), {{320.0F, 480.0F}, 0.0F}, 480.0F, velocity(1, 0, 1, 0, 0, 0));
+  EXPECT_NEAR(p.pixel.x, 320.0F - 0.625F, 0.001F);
+  EXPECT_EQ(p.depth, 0.0F);
 }
 
 }  // namespace

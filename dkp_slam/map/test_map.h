@@ -18,6 +18,7 @@ inline Camera test_camera() {
   camera.cy = 239.5;
   camera.distortion.k1 = 0.1;
   camera.readout = 0.02;
+  camera.depth_readout = 0.01;
   return camera;
 }
 

@@ -85,6 +85,7 @@ TEST_F(MapFile, AMapComesBackAsItWas) {
 
   const Map& back = stored.map;
   EXPECT_EQ(difference(map, back), "");
+  EXPECT_EQ(back.camera().depth_readout, 0.01);
   EXPECT_EQ(back.live_keyframes(), map.live_keyframes());
   EXPECT_EQ(back.live_landmarks(), map.live_landmarks());
   for (int k = 0; k < map.keyframe_ids(); ++k) {

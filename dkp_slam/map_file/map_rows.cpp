@@ -42,23 +42,25 @@ CREATE TABLE landmarks (
 
 nlohmann::ordered_json to_json(const Camera& c, float level_scale, int levels) {
   const Distortion& d = c.distortion;
-  return {{"name", c.name},
-          {"width", c.width},
-          {"height", c.height},
-          {"fx", c.fx},
-          {"fy", c.fy},
-          {"cx", c.cx},
-          {"cy", c.cy},
-          {"distortion", {d.k1, d.k2, d.p1, d.p2, d.k3}},
-          {"depth_scale", c.depth_scale},
-          {"min_depth", c.min_depth},
-          {"max_depth", c.max_depth},
-          {"baseline", c.baseline},
-          {"frame_rate", c.frame_rate},
-          {"readout", c.readout},
-          {"depth_noise", {c.depth_noise.constant, c.depth_noise.quadratic}},
-          {"level_scale", level_scale},
-          {"levels", levels}};
+  nlohmann::ordered_json json = {{"name", c.name},
+                                 {"width", c.width},
+                                 {"height", c.height},
+                                 {"fx", c.fx},
+                                 {"fy", c.fy},
+                                 {"cx", c.cx},
+                                 {"cy", c.cy},
+                                 {"distortion", {d.k1, d.k2, d.p1, d.p2, d.k3}},
+                                 {"depth_scale", c.depth_scale},
+                                 {"min_depth", c.min_depth},
+                                 {"max_depth", c.max_depth},
+                                 {"baseline", c.baseline},
+                                 {"frame_rate", c.frame_rate},
+                                 {"readout", c.readout},
+                                 {"depth_noise", {c.depth_noise.constant, c.depth_noise.quadratic}},
+                                 {"level_scale", level_scale},
+                                 {"levels", levels}};
+  if (c.depth_readout) json["depth_readout"] = *c.depth_readout;
+  return json;
 }
 
 void from_json(const nlohmann::json& json, MapParts& parts) {
@@ -78,6 +80,7 @@ void from_json(const nlohmann::json& json, MapParts& parts) {
   json.at("baseline").get_to(c.baseline);
   json.at("frame_rate").get_to(c.frame_rate);
   json.at("readout").get_to(c.readout);
+  if (json.contains("depth_readout")) json.at("depth_readout").get_to(c.depth_readout.emplace());
   const auto noise = json.at("depth_noise").get<std::array<double, 2>>();
   c.depth_noise = {noise[0], noise[1]};
   json.at("level_scale").get_to(parts.level_scale);

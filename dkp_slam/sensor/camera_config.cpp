@@ -116,7 +116,7 @@ Fields read_fields(const std::string& path, const YAML::Node& node) {
           node,
           {"name", "width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale",
            "depth_delay", "depth_bias", "min_depth", "max_depth", "baseline", "frame_rate",
-           "readout", "depth_noise"}};
+           "readout", "depth_readout", "depth_noise"}};
 }
 
 /// Throws where a value is so large that it must have another unit.
@@ -155,6 +155,7 @@ Camera camera_of(const std::string& path, const YAML::Node& node) {
   fields.get("baseline", &camera.baseline);
   fields.get("frame_rate", &camera.frame_rate);
   fields.get("readout", &camera.readout);
+  if (fields.has("depth_readout")) fields.get("depth_readout", &camera.depth_readout.emplace());
   if (fields.has("depth_noise")) {
     const Fields noise(path, fields.node("depth_noise"), {"constant", "quadratic"}, "depth_noise.");
     noise.get("constant", &camera.depth_noise.constant);
@@ -214,6 +215,8 @@ std::string camera_text(const Camera& camera, const DepthCorrection& depth) {
   line(fmt::format("frame_rate: {}", camera.frame_rate), "colour images per second");
   line(fmt::format("readout: {}", camera.readout),
        "seconds from the first row to the last; 0: all at once");
+  if (camera.depth_readout)
+    line(fmt::format("depth_readout: {}", *camera.depth_readout), "seconds, the same of depth");
   text += "depth_noise:\n";
   line(fmt::format("  constant: {}", camera.depth_noise.constant), "metres");
   line(fmt::format("  quadratic: {}", camera.depth_noise.quadratic), "1/metre");

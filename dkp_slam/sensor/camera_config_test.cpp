@@ -54,7 +54,7 @@ TEST(CameraConfig, ReadsAllFields) {
   const Camera camera =
       load_camera(write_camera(
           valid + "min_depth: 0.4\nmax_depth: 5\nbaseline: 0.05\nframe_rate: 15\nreadout: 0.03\n"
-                  "depth_noise:\n  constant: 0.002\n  quadratic: 0\n"));
+                  "depth_readout: 0.01\ndepth_noise:\n  constant: 0.002\n  quadratic: 0\n"));
   EXPECT_EQ(camera.name, "test");
   EXPECT_EQ(camera.width, 640);
   EXPECT_EQ(camera.height, 480);
@@ -73,6 +73,7 @@ TEST(CameraConfig, ReadsAllFields) {
   EXPECT_EQ(camera.baseline, 0.05);
   EXPECT_EQ(camera.frame_rate, 15.0);
   EXPECT_EQ(camera.readout, 0.03);
+  EXPECT_EQ(camera.depth_readout, 0.01);
   EXPECT_EQ(camera.depth_noise.constant, 0.002);
   EXPECT_EQ(camera.depth_noise.quadratic, 0.0);
 }
@@ -100,12 +101,18 @@ TEST(CameraConfig, ReadsBackWhatItWrites) {
   EXPECT_EQ(back.distortion.p2, camera.distortion.p2);
   EXPECT_EQ(back.depth_scale, camera.depth_scale);
   EXPECT_EQ(back.readout, camera.readout);
+  EXPECT_EQ(back.depth_readout, std::nullopt);
   EXPECT_EQ(back.depth_noise.quadratic, camera.depth_noise.quadratic);
+  camera.depth_readout = 0.0;
+  save_camera(camera, path);
+  EXPECT_EQ(load_camera(path).depth_readout, 0.0);
 }
 
 TEST(CameraConfig, NamesLineAndFieldOfBadValues) {
   EXPECT_THAT(error_of(with("fx: 500.5", "fx: 0")), HasSubstr(":4: fx"));
   EXPECT_THAT(error_of(with("fx: 500.5", "fx: -3")), HasSubstr(":4: fx"));
+  EXPECT_THAT(error_of(with("fx: 500.5", "fx: 500.5\ndepth_readout: -0.01")),
+              HasSubstr(":5: depth_readout: depth_readout must lie between 0 and"));
   EXPECT_THAT(error_of(with("fy: 501.5", "fy: .nan")), HasSubstr(":5: fy: must be finite"));
   EXPECT_THAT(error_of(with("fy: 501.5", "fy: nan")), HasSubstr(":5: fy: must be a number"));
   EXPECT_THAT(error_of(with("cx: 320", "cx: .inf")), HasSubstr(":6: cx: must be finite"));

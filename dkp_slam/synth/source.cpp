@@ -156,7 +156,9 @@ std::optional<RgbdFrame> SyntheticSource::read() {
   truth_.objects = objects_in(seen.instance, scenario_.actors);
   frame.colour = sensor_->expose(seen.radiance, time);
   cv::Mat later = seen.depth;
-  if (options_.depth_delay != 0.0) {
+  const double depth_readout = options_.camera.depth_readout.value_or(rendering.readout);
+  if (options_.depth_delay != 0.0 || depth_readout != rendering.readout) {
+    rendering.readout = depth_readout;
     rendering.samples = 1;  // more only make colours smoother
     later =
         renderer_->render(options_.camera, scenario_.camera, time + options_.depth_delay, rendering)

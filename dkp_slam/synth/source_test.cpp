@@ -61,6 +61,25 @@ TEST(SyntheticSource, SameSeedSameBytesOnAnyNumberOfThreads) {
   EXPECT_FALSE(b.read());
 }
 
+TEST(SyntheticSource, DepthHasRowsOfItsOwn) {
+  SyntheticOptions o = small("walking_rpy", 5);
+  o.kinect_noise = false;
+  const auto last = [](const SyntheticOptions& options) {
+    SyntheticSource source(options);
+    std::optional<RgbdFrame> frame;
+    while (auto next = source.read()) frame = std::move(next);
+    return *frame;
+  };
+  const RgbdFrame at_once = last(o);
+  o.camera.readout = 0.03;
+  const RgbdFrame rolling = last(o);
+  EXPECT_FALSE(same(rolling.depth, at_once.depth));
+  o.camera.depth_readout = 0.0;
+  const RgbdFrame both = last(o);
+  EXPECT_TRUE(same(both.colour, rolling.colour));
+  EXPECT_TRUE(same(both.depth, at_once.depth));
+}
+
 TEST(SyntheticSource, TruthIsOfOnePiece) {
   SyntheticOptions o = small("walking_static", 2);
   o.kinect_noise = false;

@@ -13,7 +13,7 @@ namespace dkp_slam {
 namespace {
 
 /// A wall 2 m before a camera that turns by 2 rad/s and reads its colour image in 20 ms; its depth
-/// image is of 15 ms later.
+/// image is of one moment, 15 ms later.
 class TurningStart : public ::testing::Test {
  protected:
   static constexpr double depth_delay = 0.015, interval = 1.0 / 30.0;  // seconds
@@ -25,6 +25,7 @@ class TurningStart : public ::testing::Test {
     camera_.cx = 319.5;
     camera_.cy = 239.5;
     camera_.readout = 0.02;
+    camera_.depth_readout = 0.0;
     velocity_ << 0.1, 0.0, 0.0, 0.3, 2.0, 0.0;
     map_ = std::make_unique<Map>(camera_, 1.2F, 8);
     std::mt19937 random(1);

@@ -36,6 +36,7 @@ class Camera:
         baseline: float = 0.075,
         frame_rate: float = 30.0,
         readout: float = 0.0,
+        depth_readout: float | None = None,
         name: str = "",
     ) -> None: ...
     @staticmethod
@@ -69,6 +70,8 @@ class Camera:
     def frame_rate(self) -> float: ...
     @property
     def readout(self) -> float: ...
+    @property
+    def depth_readout(self) -> float | None: ...
     @property
     def matrix(self) -> npt.NDArray[np.float64]: ...
 

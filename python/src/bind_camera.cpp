@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -23,7 +24,7 @@ using Coefficients = std::array<double, 5>;
 Camera make_camera(int width, int height, double fx, double fy, double cx, double cy,
                    const Coefficients& distortion, double depth_scale, double min_depth,
                    double max_depth, double baseline, double frame_rate, double readout,
-                   std::string name) {
+                   std::optional<double> depth_readout, std::string name) {
   Camera camera;
   camera.width = width;
   camera.height = height;
@@ -38,6 +39,7 @@ Camera make_camera(int width, int height, double fx, double fy, double cx, doubl
   camera.baseline = baseline;
   camera.frame_rate = frame_rate;
   camera.readout = readout;
+  camera.depth_readout = depth_readout;
   camera.name = std::move(name);
   if (const auto problem = camera.check()) value_error("Camera: " + *problem);
   return camera;
@@ -105,14 +107,16 @@ z forward. Lengths in metres, focal lengths and principal point in pixels.
 
 distortion: k1, k2, p1, p2, k3 as in OpenCV. depth_scale: units of a 16-bit depth image per metre.
 min_depth, max_depth: depth outside is unknown. frame_rate: images per second. readout: seconds
-from the first row's exposure to the last one's, 0 for a global shutter.
+from the first row's exposure to the last one's, 0 for a global shutter. depth_readout: the same of
+the depth image; None: as readout, as in a Kinect.
 
 Raises ValueError for numbers that make no camera.)")
       .def(py::init(&make_camera), py::arg("width"), py::arg("height"), py::arg("fx"),
            py::arg("fy"), py::arg("cx"), py::arg("cy"), py::kw_only(),
            py::arg("distortion") = Coefficients{}, py::arg("depth_scale") = 5000.0,
            py::arg("min_depth") = 0.3, py::arg("max_depth") = 8.0, py::arg("baseline") = 0.075,
-           py::arg("frame_rate") = 30.0, py::arg("readout") = 0.0, py::arg("name") = "")
+           py::arg("frame_rate") = 30.0, py::arg("readout") = 0.0,
+           py::arg("depth_readout") = py::none(), py::arg("name") = "")
       .def_static("load", &load, py::arg("file"),
                   R"(The camera of a file (YAML), or one of "fr1", "fr2", "fr3", "bonn".
 
@@ -138,6 +142,7 @@ Raises Error, which names file, line and field.)")
       .def_readonly("baseline", &Camera::baseline)
       .def_readonly("frame_rate", &Camera::frame_rate)
       .def_readonly("readout", &Camera::readout)
+      .def_readonly("depth_readout", &Camera::depth_readout)
       .def_property_readonly("matrix", &matrix, "The 3 x 3 matrix of the pinhole, float64.")
       .def("__repr__", &text);
 }

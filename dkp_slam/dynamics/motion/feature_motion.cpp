@@ -61,7 +61,8 @@ std::vector<cv::Point2f> FeatureMotionEstimator::straight(
   if (camera_.readout <= 0.0) return flat;
   const Vector6d velocity = velocity_at(step);
   for (std::size_t i = 0; i < flat.size(); ++i) {
-    flat[i] = at_middle_row(camera_, flat[i], raw[i].y, depth_at(depth, depth_from[i]), velocity);
+    const ImagePoint there{flat[i], depth_at(depth, depth_from[i])};
+    flat[i] = at_middle_row(camera_, there, raw[i].y, velocity).pixel;
   }
   return flat;
 }
