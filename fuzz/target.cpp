@@ -13,7 +13,7 @@ std::vector<Target>& targets() {
 InputFile::InputFile(Bytes content)
     : descriptor_(memfd_create("input", 0)), path_("/proc/self/fd/" + std::to_string(descriptor_)) {
   for (std::size_t done = 0; done < content.size();) {
-    const ssize_t written = write(descriptor_, content.data() + done, content.size() - done);
+    const ssize_t written = ::write(descriptor_, content.data() + done, content.size() - done);
     if (written <= 0) throw std::runtime_error("no memory for an input");
     done += static_cast<std::size_t>(written);
   }
