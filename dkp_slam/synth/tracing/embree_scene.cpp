@@ -69,8 +69,8 @@ void fill(const Rays& rays, int count, Packet* ray, int* valid) {
 }
 
 /// Of each set of vector instructions Embree makes slightly other pictures, enough to lead the
-/// system astray in another frame: with the one that all have, they are the same on all machines.
-/// It costs an eighth of the speed.
+/// system astray in another frame: so the one that all x86-64 processors have. (Its approximate
+/// reciprocals may still be their maker's.) It costs an eighth of the speed.
 #ifdef __x86_64__
 constexpr const char* embree_options = "isa=sse2";
 #else
