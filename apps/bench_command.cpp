@@ -15,6 +15,7 @@
 #include "apps/bench/plan.h"
 #include "apps/camera_choice.h"
 #include "apps/commands.h"
+#include "apps/process.h"
 #include "apps/progress.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/fingerprint.h"
@@ -25,8 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// This very file, also when a newer build has taken its name meanwhile.
-const char* const this_program = "/proc/self/exe";
 const std::string default_out = "out/bench";
 
 struct BenchArguments {

@@ -5,6 +5,10 @@
 
 namespace dkp_slam::apps {
 
+/// This very program's file, to start it once more, also when a newer build has taken its name
+/// meanwhile.
+inline constexpr const char* this_program = "/proc/self/exe";
+
 /// To be called first: makes the program independent of how it was started. Descriptors 0 to 2 that
 /// are closed lead nowhere (a file opened later would get their numbers, and messages with them),
 /// and a reader that goes away or a limit on the size of files ends writing, not the program. Where

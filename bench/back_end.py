@@ -54,9 +54,9 @@ def cut(source, out, keep, image=None):
 class Bench:
     def __init__(self, arguments):
         self.program = arguments.build / "dkp-slam"
-        self.place_bench = arguments.build / "bench" / "place_bench"
+        self.bench = arguments.build / "dkp-slam-bench"
         self.data, self.work, self.config = arguments.data, arguments.work, arguments.config
-        for tool in (self.program, self.place_bench):
+        for tool in (self.program, self.bench):
             if not tool.is_file():
                 stop(f"{tool}: no such program; build it, or name its folder with --build")
         for name in ("fr1_xyz", "composite_xyz_walking", "composite_xyz_sitting"):
@@ -124,7 +124,7 @@ def places(bench):
     log = bench.work / "logs" / "places.txt"
     if not log.is_file() or " | " not in log.read_text():
         print("places ...", file=sys.stderr, flush=True)
-        call([bench.place_bench, bench.data / "fr1_xyz", "--camera", bench.camera()], log)
+        call([bench.bench, "place", bench.data / "fr1_xyz", "--camera", bench.camera()], log)
     rows = []
     for line in log.read_text().splitlines():
         cells = [c.split() for c in line.split("|")]

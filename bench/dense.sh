@@ -29,6 +29,6 @@ for sequence in "$@"; do
   export_cloud masks
   export_cloud true_masks --masks "$sequence/mask"
   export_cloud no_masks --no-masks
-  "$build/bench/dense_bench" "$sequence" "$run/trajectory.txt" "$run"/{masks,true_masks,no_masks}.ply \
+  "$build/dkp-slam-bench" dense "$sequence" "$run/trajectory.txt" "$run"/{masks,true_masks,no_masks}.ply \
     "${camera[@]}" "${background[@]}"
 done

@@ -19,6 +19,7 @@
 #include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
+#include "bench/benches.h"
 #include "bench/dense/room_distance.h"
 #include "dkp_slam/dense/depth_view.h"
 #include "dkp_slam/error.h"
@@ -28,6 +29,7 @@
 #include "dkp_slam/synth/scenario.h"
 
 namespace dkp_slam::bench {
+namespace dense {
 namespace fs = std::filesystem;
 namespace {
 
@@ -257,26 +259,24 @@ void run(Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace dkp_slam::bench
+}  // namespace dense
 
-int main(int argc, char** argv) {
-  CLI::App program("Dense maps against the truth");
-  dkp_slam::bench::Arguments arguments;
-  program.add_option("SEQUENCE", arguments.sequence, "With mask/ and groundtruth.txt")->required();
-  program.add_option("TRAJECTORY", arguments.trajectory, "Of the run")->required();
-  program.add_option("CLOUD", arguments.clouds, "PLY files that were made with it")->required();
-  program.add_option("--camera", arguments.camera, "Default: SEQUENCE/camera.yaml");
-  program.add_option("--background", arguments.background,
-                     "Of a composite: the folder of the same without the people");
-  program.add_option("--every", arguments.every, "Frames looked at for the truth")
+void add_dense(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("dense", "Dense maps against the truth");
+  const auto arguments = std::make_shared<dense::Arguments>();
+  command->add_option("SEQUENCE", arguments->sequence, "With mask/ and groundtruth.txt")
+      ->required();
+  command->add_option("TRAJECTORY", arguments->trajectory, "Of the run")->required();
+  command->add_option("CLOUD", arguments->clouds, "PLY files that were made with it")->required();
+  command->add_option("--camera", arguments->camera, "Default: SEQUENCE/camera.yaml");
+  command->add_option("--background", arguments->background,
+                      "Of a composite: the folder of the same without the people");
+  command->add_option("--every", arguments->every, "Frames looked at for the truth")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  program.add_option("--range", arguments.range, "As of the export, metres")->capture_default_str();
-  CLI11_PARSE(program, argc, argv);
-  try {
-    dkp_slam::bench::run(arguments);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "dense_bench: {}\n", error.what());
-    return 1;
-  }
+  command->add_option("--range", arguments->range, "As of the export, metres")
+      ->capture_default_str();
+  command->callback([arguments] { dense::run(*arguments); });
 }
+
+}  // namespace dkp_slam::bench

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/benches.h"
 #include "dkp_slam/config/option_list.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/detection/recorded_detector.h"
@@ -22,7 +23,8 @@
 #include "dkp_slam/sensor/image_reader.h"
 #include "dkp_slam/system/config.h"
 
-namespace dkp_slam {
+namespace dkp_slam::bench {
+namespace dynamics {
 namespace {
 
 struct BenchOptions {
@@ -199,33 +201,28 @@ void run(const BenchOptions& bench) {
 }
 
 }  // namespace
-}  // namespace dkp_slam
+}  // namespace dynamics
 
-int main(int argc, char** argv) {
-  CLI::App app("Measures the dynamics room on a TUM folder");
-  dkp_slam::BenchOptions bench;
-  app.add_option("sequence", bench.sequence, "TUM folder with associations.txt")->required();
-  app.add_option("--camera", bench.camera, "camera file")->required();
-  app.add_option("--model", bench.model, "YOLOX model");
-  app.add_option("--set", bench.settings, "NAME=VALUE of the configuration");
-  app.add_option("--detections", bench.detections, "file of detections instead of a model");
-  app.add_option("--mode", bench.mode, dkp_slam::mode_names());
-  app.add_option("--clustering", bench.clustering)
+void add_dynamics(CLI::App& program) {
+  CLI::App* app = program.add_subcommand("dynamics", "Measures the dynamics room on a TUM folder");
+  const auto bench = std::make_shared<dynamics::BenchOptions>();
+  app->add_option("sequence", bench->sequence, "TUM folder with associations.txt")->required();
+  app->add_option("--camera", bench->camera, "camera file")->required();
+  app->add_option("--model", bench->model, "YOLOX model");
+  app->add_option("--set", bench->settings, "NAME=VALUE of the configuration");
+  app->add_option("--detections", bench->detections, "file of detections instead of a model");
+  app->add_option("--mode", bench->mode, mode_names());
+  app->add_option("--clustering", bench->clustering)
       ->check(CLI::IsMember({"adaptive", "paper", "band"}));
-  app.add_option("--first", bench.first, "first frame");
-  app.add_option("--last", bench.last, "frame to stop before");
-  app.add_option("--csv", bench.csv, "figures of every frame");
-  app.add_option("--features", bench.features, "every feature of every frame");
-  app.add_option("--overlay", bench.overlay, "folder for pictures");
-  app.add_option("--overlay-every", bench.overlay_every, "a picture every so many frames");
-  app.add_option("--overlay-frames", bench.overlay_frames, "pictures of these frames")
+  app->add_option("--first", bench->first, "first frame");
+  app->add_option("--last", bench->last, "frame to stop before");
+  app->add_option("--csv", bench->csv, "figures of every frame");
+  app->add_option("--features", bench->features, "every feature of every frame");
+  app->add_option("--overlay", bench->overlay, "folder for pictures");
+  app->add_option("--overlay-every", bench->overlay_every, "a picture every so many frames");
+  app->add_option("--overlay-frames", bench->overlay_frames, "pictures of these frames")
       ->delimiter(',');
-  CLI11_PARSE(app, argc, argv);
-  try {
-    dkp_slam::run(bench);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 1;
-  }
-  return 0;
+  app->callback([bench] { dynamics::run(*bench); });
 }
+
+}  // namespace dkp_slam::bench

@@ -4,8 +4,8 @@
 // rest is played there and back in it, at its own speed and as in real time.
 
 #include <algorithm>
-#include <ctime>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <random>
 #include <thread>
@@ -16,6 +16,8 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/benches.h"
+#include "bench/thread_time.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/feature/orb_extractor.h"
 #include "dkp_slam/map/map_parts.h"
@@ -26,7 +28,8 @@
 #include "dkp_slam/system/back_end.h"
 #include "dkp_slam/tracking/tracker.h"
 
-namespace dkp_slam {
+namespace dkp_slam::bench {
+namespace loop {
 namespace {
 
 struct BenchOptions {
@@ -38,13 +41,6 @@ struct BenchOptions {
   bool at_once = false, verbose = false;
 };
 
-/// Time of this thread on a processor, so that what else the machine does counts little.
-double cpu_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
-}
-
 struct Span {
   double wall_ms, processor_ms;
 };
@@ -52,9 +48,9 @@ struct Span {
 template <class Work>
 Span time_of(Work&& work) {
   const Stopwatch watch;
-  const double start = cpu_ms();
+  const ThreadTime time;
   work();
-  return {watch.ms(), cpu_ms() - start};
+  return {watch.ms(), time.ms()};
 }
 
 /// Always the same work, about 1.3 ms of it: what the machine makes of that is what it adds to the
@@ -240,25 +236,22 @@ void measure(const BenchOptions& bench) {
 }
 
 }  // namespace
-}  // namespace dkp_slam
+}  // namespace loop
 
-int main(int argc, char** argv) {
-  CLI::App app("How long a frame waits for the closing of a loop, ms of processor time");
-  dkp_slam::BenchOptions bench;
-  app.add_option("sequence", bench.sequence, "TUM folder with a loop")->required();
-  app.add_option("--camera", bench.camera, "camera file")->required();
-  app.add_option("--keyframes", bench.keyframes, "of the map, about")->capture_default_str();
-  app.add_option("--before", bench.before, "frames that are played until the loop is found")
+void add_loop(CLI::App& program) {
+  CLI::App* app = program.add_subcommand(
+      "loop", "How long a frame waits for the closing of a loop, ms of processor time");
+  const auto bench = std::make_shared<loop::BenchOptions>();
+  app->add_option("sequence", bench->sequence, "TUM folder with a loop")->required();
+  app->add_option("--camera", bench->camera, "camera file")->required();
+  app->add_option("--keyframes", bench->keyframes, "of the map, about")->capture_default_str();
+  app->add_option("--before", bench->before, "frames that are played until the loop is found")
       ->capture_default_str();
-  app.add_option("--frames", bench.most_frames, "that are played at most")->capture_default_str();
-  app.add_option("--rate", bench.rate, "frames a second")->capture_default_str();
-  app.add_flag("--at-once", bench.at_once, "each step in one frame, which waits for it");
-  app.add_flag("--verbose", bench.verbose, "with the log");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    dkp_slam::measure(bench);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "loop_bench: {}\n", error.what());
-    return 1;
-  }
+  app->add_option("--frames", bench->most_frames, "that are played at most")->capture_default_str();
+  app->add_option("--rate", bench->rate, "frames a second")->capture_default_str();
+  app->add_flag("--at-once", bench->at_once, "each step in one frame, which waits for it");
+  app->add_flag("--verbose", bench->verbose, "with the log");
+  app->callback([bench] { loop::measure(*bench); });
 }
+
+}  // namespace dkp_slam::bench

@@ -2,17 +2,20 @@
 // every update has two keyframes more to write.
 
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
+#include <memory>
 #include <thread>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "bench/benches.h"
+#include "bench/thread_time.h"
 #include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/map_writer.h"
 
-namespace dkp_slam {
+namespace dkp_slam::bench {
+namespace map {
 namespace {
 
 struct BenchOptions {
@@ -22,13 +25,6 @@ struct BenchOptions {
   int updates = 10;
 };
 
-/// Time of this thread on a processor, so that what else the machine does counts little.
-double cpu_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
-}
-
 void measure(const BenchOptions& options) {
   testing::GrowingMap grown(options.features);
   while (grown.map.live_keyframes() < options.keyframes) grown.step();
@@ -36,9 +32,9 @@ void measure(const BenchOptions& options) {
   ChangeFinder finder;
   // What the tracking thread does; writing is another one's.
   const auto update_ms = [&] {
-    const double start = cpu_ms();
+    const ThreadTime time;
     const MapChange change = finder.find(grown.map);
-    const double found = cpu_ms() - start;
+    const double found = time.ms();
     writer.write(change);
     return found;
   };
@@ -51,31 +47,28 @@ void measure(const BenchOptions& options) {
   std::sort(later.begin(), later.end());
   writer.finish();
   const auto bytes = static_cast<double>(std::filesystem::file_size(options.file));
-  const double start = cpu_ms();
+  const ThreadTime time;
   const StoredMap stored = read_map(options.file);
   fmt::print(
       "{} keyframes with {} features, {} landmarks: update of all {:.1f} ms, of two keyframes "
       "median {:.2f} ms (most {:.2f}); file {:.1f} MB, {:.1f} kB a keyframe; read in {:.0f} ms\n",
       stored.map.live_keyframes(), options.features, stored.map.live_landmarks(), first,
       later[later.size() / 2], later.back(), bytes / 1e6, bytes / 1e3 / stored.map.live_keyframes(),
-      cpu_ms() - start);
+      time.ms());
 }
 
 }  // namespace
-}  // namespace dkp_slam
+}  // namespace map
 
-int main(int argc, char** argv) {
-  CLI::App program("Cost of a map file, milliseconds of processor time");
-  dkp_slam::BenchOptions options;
-  program.add_option("FILE", options.file, "To be made")->required();
-  program.add_option("--keyframes", options.keyframes)->capture_default_str();
-  program.add_option("--features", options.features)->capture_default_str();
-  program.add_option("--updates", options.updates)->capture_default_str();
-  CLI11_PARSE(program, argc, argv);
-  try {
-    dkp_slam::measure(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "map_bench: {}\n", error.what());
-    return 1;
-  }
+void add_map(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("map", "Cost of a map file, milliseconds of processor time");
+  const auto options = std::make_shared<map::BenchOptions>();
+  command->add_option("FILE", options->file, "To be made")->required();
+  command->add_option("--keyframes", options->keyframes)->capture_default_str();
+  command->add_option("--features", options->features)->capture_default_str();
+  command->add_option("--updates", options->updates)->capture_default_str();
+  command->callback([options] { map::measure(*options); });
 }
+
+}  // namespace dkp_slam::bench

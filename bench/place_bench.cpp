@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
+#include <memory>
 #include <random>
 
 #include <fmt/format.h>
@@ -12,13 +12,16 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/benches.h"
+#include "bench/thread_time.h"
 #include "dkp_slam/localization/place_index.h"
 #include "dkp_slam/localization/relocalizer.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/system/engine.h"
 
-namespace dkp_slam {
+namespace dkp_slam::bench {
+namespace place {
 namespace {
 
 struct BenchOptions {
@@ -29,20 +32,6 @@ struct BenchOptions {
   int place_keyframes = 50;  // until another place begins
   int queries = 200;
   int tables = PlaceIndexOptions().tables;
-};
-
-/// Time of this thread on a processor, so that what else the machine does counts little.
-class CpuWatch {
- public:
-  double ms() const { return now_ms() - start_; }
-
- private:
-  static double now_ms() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
-  }
-  double start_ = now_ms();
 };
 
 /// A frame that looks for its place, and where it was by tracking.
@@ -196,7 +185,7 @@ Score ask_generated(const BenchOptions& bench, const Map& map, const PlaceIndex&
   for (int i = 0; i < bench.queries; ++i) {
     int truth = -1;
     const std::vector<Descriptor> view = generator.view(truth);
-    const CpuWatch watch;
+    const ThreadTime watch;
     const auto found = places.query(map, view, 5);
     score.query_ms.push_back(watch.ms());
     const int around = bench.features / bench.new_features;
@@ -215,7 +204,7 @@ Score ask_real(const Real& real, const Map& map, const PlaceIndex& places) {
   Score score;
   for (const Query& q : real.queries) {
     Frame frame = q.frame;
-    const CpuWatch query_watch;
+    const ThreadTime query_watch;
     const auto found = places.query(map, frame.features.descriptor, 5);
     score.query_ms.push_back(query_watch.ms());
     const auto right = [&](const PlaceCandidate& c) {
@@ -224,7 +213,7 @@ Score ask_real(const Real& real, const Map& map, const PlaceIndex& places) {
     ++score.asked;
     score.found_first += !found.empty() && right(found.front());
     score.found += std::any_of(found.begin(), found.end(), right);
-    const CpuWatch relocalise_watch;
+    const ThreadTime relocalise_watch;
     const bool placed = relocalize(map, places, {}, 1, frame);
     score.relocalise_ms.push_back(relocalise_watch.ms());
     if (!placed) continue;
@@ -257,7 +246,7 @@ void run(const BenchOptions& bench) {
   for (const int size : bench.keyframes) {
     while (map.live_keyframes() < size) {
       const int k = generator.add_keyframe();
-      const CpuWatch watch;
+      const ThreadTime watch;
       places.add_keyframe(map, k);
       add_ms.push_back(watch.ms());
     }
@@ -276,26 +265,23 @@ void run(const BenchOptions& bench) {
 }
 
 }  // namespace
-}  // namespace dkp_slam
+}  // namespace place
 
-int main(int argc, char** argv) {
-  CLI::App app("Measures place recognition in maps of growing size");
-  dkp_slam::BenchOptions bench;
-  app.add_option("sequence", bench.sequence, "TUM folder")->required();
-  app.add_option("--camera", bench.camera, "camera file")->required();
-  app.add_option("--keyframes", bench.keyframes, "sizes of the map, growing")->delimiter(',');
-  app.add_option("--features", bench.features, "of a generated keyframe")
+void add_place(CLI::App& program) {
+  CLI::App* app =
+      program.add_subcommand("place", "Measures place recognition in maps of growing size");
+  const auto bench = std::make_shared<place::BenchOptions>();
+  app->add_option("sequence", bench->sequence, "TUM folder")->required();
+  app->add_option("--camera", bench->camera, "camera file")->required();
+  app->add_option("--keyframes", bench->keyframes, "sizes of the map, growing")->delimiter(',');
+  app->add_option("--features", bench->features, "of a generated keyframe")
       ->check(CLI::Range(100, 10000));
-  app.add_option("--new-features", bench.new_features, "of which the keyframe before has not seen")
+  app->add_option("--new-features", bench->new_features,
+                  "of which the keyframe before has not seen")
       ->check(CLI::Range(1, 10000));
-  app.add_option("--queries", bench.queries, "views of generated places that are asked for");
-  app.add_option("--tables", bench.tables, "hash tables")->check(CLI::Range(1, 16));
-  CLI11_PARSE(app, argc, argv);
-  try {
-    dkp_slam::run(bench);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 1;
-  }
-  return 0;
+  app->add_option("--queries", bench->queries, "views of generated places that are asked for");
+  app->add_option("--tables", bench->tables, "hash tables")->check(CLI::Range(1, 16));
+  app->callback([bench] { place::run(*bench); });
 }
+
+}  // namespace dkp_slam::bench

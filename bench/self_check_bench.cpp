@@ -1,13 +1,16 @@
 // How honest frames are about their poses, on folders with true paths (docs/reliability.md):
-// build/release/bench/self_check_bench SEQUENCE...
+// dkp-slam-bench self-check SEQUENCE...
+
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "bench/benches.h"
 #include "bench/truth_offset.h"
 #include "dkp_slam/detection/factory/detector_factory.h"
 #include "dkp_slam/export/trajectory.h"
@@ -17,13 +20,15 @@
 #include "dkp_slam/system/slam.h"
 #include "tests/support/honesty.h"
 
+namespace dkp_slam::bench {
+namespace self_check {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// Where in the sequence it is off.
-void print_frames(const std::vector<dkp_slam::FrameResult>& frames,
-                  const std::vector<dkp_slam::testing::FrameHonesty>& honesty) {
+void print_frames(const std::vector<FrameResult>& frames,
+                  const std::vector<testing::FrameHonesty>& honesty) {
   fmt::print(
       "index,error_mm,error_mrad,sigma_mm,position_sigmas,orientation_sigmas,landmarks,people_"
       "share,since_map_seen_s\n");
@@ -38,32 +43,31 @@ void print_frames(const std::vector<dkp_slam::FrameResult>& frames,
 }
 
 struct Options {
+  std::vector<fs::path> folders;
   std::string camera;  ///< a file; empty: each folder's camera.yaml
   std::string model;   ///< YOLOX weights; empty: the motion detector
   bool each_frame = false;
 };
 
-std::vector<dkp_slam::FrameResult> played(const fs::path& folder, const Options& options) {
-  dkp_slam::SlamConfig config;
-  config.camera = dkp_slam::load_camera(options.camera.empty() ? (folder / "camera.yaml").string()
-                                                               : options.camera);
-  config.detector.kind =
-      options.model.empty() ? dkp_slam::DetectorKind::motion : dkp_slam::DetectorKind::yolox;
+std::vector<FrameResult> played(const fs::path& folder, const Options& options) {
+  SlamConfig config;
+  config.camera =
+      load_camera(options.camera.empty() ? (folder / "camera.yaml").string() : options.camera);
+  config.detector.kind = options.model.empty() ? DetectorKind::motion : DetectorKind::yolox;
   config.detector.yolox.model = options.model;
-  const auto source = dkp_slam::open_tum_folder(folder.string(), config.camera);
-  dkp_slam::Slam slam(config, dkp_slam::make_detector(config.detector, config.camera));
-  std::vector<dkp_slam::FrameResult> frames;
-  dkp_slam::play(*source, slam, {},
-                 [&](const dkp_slam::FrameResult& result) { frames.push_back(result); });
+  const auto source = open_tum_folder(folder.string(), config.camera);
+  Slam slam(config, make_detector(config.detector, config.camera));
+  std::vector<FrameResult> frames;
+  play(*source, slam, {}, [&](const FrameResult& result) { frames.push_back(result); });
   return frames;
 }
 
 void measure(const fs::path& folder, const Options& options) {
   const auto frames = played(folder, options);
-  const auto truth = dkp_slam::read_trajectory(folder / "groundtruth.txt");
-  const auto h = dkp_slam::testing::honesty_of(frames, truth);
-  const auto offset = dkp_slam::truth_offset(frames, truth);
-  const auto then = dkp_slam::testing::honesty_of(frames, dkp_slam::without_offset(truth, offset));
+  const auto truth = read_trajectory(folder / "groundtruth.txt");
+  const auto h = testing::honesty_of(frames, truth);
+  const auto offset = truth_offset(frames, truth);
+  const auto then = testing::honesty_of(frames, without_offset(truth, offset));
   fmt::print(
       "| `{}` | {} of {} | {} | {:.1f} | {:.1f}, {:.1f} mm | {:.1f} mm | {:.0f} mm, {:.0f} mrad, "
       "{:.0f} ms | {} | {:.1f} | {:.1f}, {:.1f} mm |\n",
@@ -76,28 +80,28 @@ void measure(const fs::path& folder, const Options& options) {
   std::fflush(stdout);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app("How honest frames are about their poses");
-  std::vector<fs::path> folders;
-  Options options;
-  app.add_option("SEQUENCE", folders, "Folders in TUM format with a groundtruth.txt")->required();
-  app.add_option("--camera", options.camera,
-                 "Camera file of all of them; else each one's camera.yaml");
-  app.add_option("--model", options.model, "YOLOX weights; without it the motion detector");
-  app.add_flag("--frames", options.each_frame,
-               "Below each sequence a line for every localised frame, the truth's offset removed");
-  CLI11_PARSE(app, argc, argv);
+void run(const Options& options) {
   fmt::print(
       "| sequence | localised | over 3 sigma | worst | error, median and largest | told sigma "
       "| the true path's own offset | over 3 sigma without it | worst | error |\n"
       "|---|---|---|---|---|---|---|---|---|---|\n");
-  try {
-    for (const fs::path& folder : folders) measure(folder, options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 1;
-  }
-  return 0;
+  for (const fs::path& folder : options.folders) measure(folder, options);
 }
+
+}  // namespace
+}  // namespace self_check
+
+void add_self_check(CLI::App& program) {
+  CLI::App* app = program.add_subcommand("self-check", "How honest frames are about their poses");
+  const auto options = std::make_shared<self_check::Options>();
+  app->add_option("SEQUENCE", options->folders, "Folders in TUM format with a groundtruth.txt")
+      ->required();
+  app->add_option("--camera", options->camera,
+                  "Camera file of all of them; else each one's camera.yaml");
+  app->add_option("--model", options->model, "YOLOX weights; without it the motion detector");
+  app->add_flag("--frames", options->each_frame,
+                "Below each sequence a line for every localised frame, the truth's offset removed");
+  app->callback([options] { self_check::run(*options); });
+}
+
+}  // namespace dkp_slam::bench

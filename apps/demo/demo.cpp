@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/process.h"
 #include "apps/progress.h"
 #include "apps/run_summary.h"
 #include "dkp_slam/error.h"
@@ -25,7 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const this_program = "/proc/self/exe";
 const std::string scenario = "walking_xyz";
 const std::string best_mode = "dkp+";
 constexpr int sample_frames = 4;

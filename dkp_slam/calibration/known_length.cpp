@@ -18,7 +18,7 @@ namespace {
 constexpr double reach = 0.5;            // seconds before and after
 constexpr double same_time = 0.005;      // seconds
 constexpr double picked_sigma = 0.5;     // pixels
-constexpr std::size_t least_frames = 5;  // with depth at both ends
+constexpr std::size_t least_depths = 5;  // with depth at both ends
 constexpr double shared = 4.0;  // neighbouring frames' readings hang together by about so many
 
 /// A frame near the image of the length.
@@ -135,11 +135,11 @@ MeasuredLength measure_length(const KnownLength& length, RgbdSource& source, con
     const auto b = depth_by(frame, camera, rays[1], guess[1]);
     if (a && b) distances.push_back((*a * rays[0] - *b * rays[1]).norm());
   }
-  if (distances.size() < least_frames) {
+  if (distances.size() < least_depths) {
     throw Error(
         fmt::format("length: only {} frames near {:.6f} see both points with depth; {} are "
                     "needed; choose an image where the camera moves slowly",
-                    distances.size(), length.timestamp, least_frames));
+                    distances.size(), length.timestamp, least_depths));
   }
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());

@@ -64,7 +64,7 @@ struct DenseMap::Projection {
         fy(static_cast<float>(camera.fy)),
         cx(static_cast<float>(camera.cx)),
         cy(static_cast<float>(camera.cy)),
-        row_time(static_cast<float>(camera.depth_readout.value_or(camera.readout) / camera.height)),
+        row_time(static_cast<float>(camera.readout_of_depth() / camera.height)),
         middle_row(0.5F * static_cast<float>(camera.height)),
         width(static_cast<float>(camera.width)),
         height(static_cast<float>(camera.height)),

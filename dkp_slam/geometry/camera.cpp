@@ -68,7 +68,7 @@ std::optional<std::string> Camera::check() const {
   if (!std::isfinite(readout) || readout < 0.0 || readout > 1.0 / frame_rate) {
     return "readout must lie between 0 and the time of a frame, 1 / frame_rate";
   }
-  const double of_depth = depth_readout.value_or(readout);
+  const double of_depth = readout_of_depth();
   if (!std::isfinite(of_depth) || of_depth < 0.0 || of_depth > 1.0 / frame_rate) {
     return "depth_readout must lie between 0 and the time of a frame, 1 / frame_rate";
   }

@@ -59,6 +59,9 @@ struct Camera {
   /// Undistorted pixels of raw ones, by fixed-point iteration.
   std::vector<cv::Point2f> undistort(const std::vector<cv::Point2f>& raw) const;
 
+  /// Seconds from the depth image's first row's moment to the last one's.
+  double readout_of_depth() const { return depth_readout.value_or(readout); }
+
   cv::Matx33d matrix() const { return {fx, 0, cx, 0, fy, cy, 0, 0, 1}; }
 
   /// Why the parameters make no camera, one line, or nothing when they do.

@@ -34,7 +34,7 @@ inline double row_delay(const Camera& camera, double raw_row) {
 }
 /// The same of the depth image.
 inline double depth_row_delay(const Camera& camera, double raw_row) {
-  return (raw_row / camera.height - 0.5) * camera.depth_readout.value_or(camera.readout);
+  return (raw_row / camera.height - 0.5) * camera.readout_of_depth();
 }
 
 }  // namespace dkp_slam

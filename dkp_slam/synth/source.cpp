@@ -156,7 +156,7 @@ std::optional<RgbdFrame> SyntheticSource::read() {
   truth_.objects = objects_in(seen.instance, scenario_.actors);
   frame.colour = sensor_->expose(seen.radiance, time);
   cv::Mat later = seen.depth;
-  const double depth_readout = options_.camera.depth_readout.value_or(rendering.readout);
+  const double depth_readout = options_.camera.readout_of_depth();
   if (options_.depth_delay != 0.0 || depth_readout != rendering.readout) {
     rendering.readout = depth_readout;
     rendering.samples = 1;  // more only make colours smoother

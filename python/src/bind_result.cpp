@@ -66,7 +66,7 @@ py::array is_static(const ResultObject& self) {
   return out;
 }
 
-py::array landmarks(const ResultObject& self) {
+py::array landmark_ids(const ResultObject& self) {
   const std::vector<int>& ids = details_of(self).landmarks;
   py::array_t<std::int64_t> out(static_cast<py::ssize_t>(ids.size()));
   std::copy(ids.begin(), ids.end(), out.mutable_data());
@@ -167,7 +167,7 @@ Along the camera's axes; infinite where not localised. docs/reliability.md.)")
       .def_property_readonly("keypoints", &keypoints,
                              "The features' pixels, (n, 2) float32, u and v of the image as fed.")
       .def_property_readonly("is_static", &is_static, "(n,) bool: which of them are used.")
-      .def_property_readonly("landmarks", &landmarks,
+      .def_property_readonly("landmarks", &landmark_ids,
                              "(n,): ids of the landmarks that they show, -1 for none.")
       .def_property_readonly("detections", &detections, "What the detector said of it.")
       .def_property_readonly("objects", &objects, "Objects that may move, in this frame.")
