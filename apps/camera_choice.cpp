@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/process.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/sequence_name.h"
 #include "dkp_slam/sensor/layout/image_folder.h"
@@ -21,7 +22,7 @@ const std::map<std::string, std::string> cameras_by_name{
 /// One of the camera files that come with the program.
 fs::path shipped_camera(const std::string& file) {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+  const fs::path program = fs::read_symlink(this_program, error).parent_path();
   for (const fs::path& folder :
        {program / "config", program / "../share/dkp-slam/config", fs::path(DKP_SLAM_CONFIG_DIR)}) {
     if (fs::exists(folder / file)) return folder / file;

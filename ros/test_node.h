@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -15,11 +16,13 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <boost/function.hpp>
@@ -72,13 +75,33 @@ inline std::string content(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// A TCP port that nobody has: below those that the kernel gives to whoever connects (from 32768
+/// on), one of which a neighbouring test may hold, and another for each process. Zero when there
+/// is none.
+inline int free_port() {
+  constexpr int first = 20000, count = 12000;
+  for (int i = 0; i < count; ++i) {
+    const int port = first + (::getpid() + i) % count;
+    const int one = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_ANY);
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    const bool is_free =
+        ::bind(one, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    ::close(one);
+    if (is_free) return port;
+  }
+  return 0;
+}
+
 /// A test with a roscore of its own, on which it listens, and nodes that it starts.
 class RosNode : public dkp_slam::testing::FolderTest {
  protected:
   void SetUp() override {
     FolderTest::SetUp();
     // Nobody else's master, and nothing in the user's home.
-    const std::string port = std::to_string(20000 + ::getpid() % 20000);
+    const std::string port = std::to_string(free_port());
     ::setenv("ROS_MASTER_URI", ("http://127.0.0.1:" + port).c_str(), 1);
     ::setenv("ROS_IP", "127.0.0.1", 1);
     ::setenv("ROS_HOME", folder_.c_str(), 1);
