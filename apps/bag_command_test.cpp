@@ -17,12 +17,11 @@ namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
+using dkp_slam::testing::frame_count;
 using dkp_slam::testing::TestBag;
 using dkp_slam::testing::WallSequence;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-constexpr int frame_count = 12;
 
 /// The program, given a bag.
 class BagCommand : public testing::CommandTest {

@@ -31,11 +31,10 @@ using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
 
-constexpr int frame_count = 8;
-
 /// Runs the program itself, as a user does, on small exact sequences.
 class BenchCommand : public testing::CommandTest {
  protected:
+  static constexpr int frame_count = 8;
   void SetUp() override {
     CommandTest::SetUp();
     const WallSequence made(wall(), frame_count);

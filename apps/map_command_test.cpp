@@ -25,12 +25,11 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using dkp_slam::testing::content;
+using dkp_slam::testing::frame_count;
 using dkp_slam::testing::GrowingMap;
 using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
-
-constexpr int frame_count = 12;
 
 class MapCommand : public testing::CommandTest {
  protected:

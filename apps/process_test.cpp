@@ -23,12 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using dkp_slam::testing::content;
+using dkp_slam::testing::frame_count;
 using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-constexpr int frame_count = 12;
 
 /// The program started in ways that no user means, but shells, services and robots do.
 class OddStart : public testing::FolderTest {

@@ -23,13 +23,12 @@ namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
-using dkp_slam::testing::Connection;
 using dkp_slam::testing::content;
+using dkp_slam::testing::DriverConnection;
+using dkp_slam::testing::frame_count;
 using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
-
-constexpr int frame_count = 12;
 
 /// Records what real drivers send, by the program itself.
 class RecordCommand : public testing::CommandTest {
@@ -113,7 +112,7 @@ TEST_F(RecordCommand, CtrlCAndACutLeaveAWholeFolder) {
   const fs::path out = folder_ / "out";
   const std::string address = "unix:" + (folder_ / "s").string();
   const Program program = start({"record", "--source", address, "--out", out});
-  Connection driver(address);
+  DriverConnection driver(address);
   driver.send(cut);
   const auto images = [&] {
     std::error_code error;  // the folder is made when the stream begins

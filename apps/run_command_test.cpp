@@ -25,13 +25,12 @@ namespace {
 
 namespace fs = std::filesystem;
 using dkp_slam::testing::content;
+using dkp_slam::testing::frame_count;
 using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-constexpr int frame_count = 12;
 
 /// Runs the program itself, as a user does, on a small exact sequence that each test spoils.
 class RunCommand : public testing::CommandTest {

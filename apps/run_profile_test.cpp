@@ -17,11 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using dkp_slam::testing::content;
+using dkp_slam::testing::frame_count;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
-
-constexpr int frame_count = 12;
 
 /// What `run` tells of its own speed.
 class RunProfile : public testing::CommandTest {

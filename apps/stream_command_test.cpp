@@ -21,14 +21,14 @@ namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
-using dkp_slam::testing::Connection;
 using dkp_slam::testing::content;
+using dkp_slam::testing::DriverConnection;
+using dkp_slam::testing::frame_count;
 using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr int frame_count = 12;
 constexpr std::size_t pixels = std::size_t{640} * 480;
 constexpr std::size_t frame_bytes = 8 + 16 + pixels * 5;
 
@@ -140,8 +140,8 @@ TEST_F(StreamCommand, ADriverThatIsCutOffMayComeBackToTheSamePath) {
   const std::size_t half = begin_of(stream, 5) + frame_bytes / 2;
   const std::string header = stream.substr(0, begin_of(stream, 0));
   const Program program = start({"--offline"});
-  Connection(socket()).send(stream.substr(0, half));
-  Connection(socket()).send(header + stream.substr(begin_of(stream, 5)));
+  DriverConnection(socket()).send(stream.substr(0, half));
+  DriverConnection(socket()).send(header + stream.substr(begin_of(stream, 5)));
   EXPECT_EQ(program.wait(), 0) << program.err();
   EXPECT_THAT(program.err(), AllOf(HasSubstr("cut off in the middle of frame 5"),
                                    HasSubstr("a driver is there again")));
@@ -151,7 +151,7 @@ TEST_F(StreamCommand, ADriverThatIsCutOffMayComeBackToTheSamePath) {
 TEST_F(StreamCommand, ADriverThatStaysAwayLeavesWhatThereIs) {
   const std::string stream = recorded();
   const Program program = start({"--reconnect", "0.1"});
-  Connection(socket()).send(stream.substr(0, begin_of(stream, 5)));
+  DriverConnection(socket()).send(stream.substr(0, begin_of(stream, 5)));
   EXPECT_EQ(program.wait(), 1);
   EXPECT_THAT(program.err(), HasSubstr("no driver came back within 0.1 s"));
   EXPECT_TRUE(fs::exists(out() / "summary.json"));
@@ -168,7 +168,7 @@ TEST_F(StreamCommand, CtrlCEndsTheWaitForADriverAndForOneThatHangs) {
   }
   const std::string stream = recorded();
   const Program program = start({"--offline"});
-  Connection hanging(socket());
+  DriverConnection hanging(socket());
   hanging.send(stream.substr(0, begin_of(stream, 3) + 100));
   program.wait_for("no detector runs");
   program.interrupt();

@@ -15,6 +15,9 @@
 
 namespace dkp_slam::testing {
 
+/// As long as most tests need a sequence.
+inline constexpr int frame_count = 12;
+
 /// A camera that glides along a patterned wall two metres away, three pixels to the right a frame:
 /// images, depth and poses are exact, and quickly made. Written as a TUM folder with camera.yaml.
 class WallSequence {

@@ -21,13 +21,12 @@ using namespace std::chrono_literals;
 using dkp_slam::testing::ask;
 using dkp_slam::testing::Connection;
 using dkp_slam::testing::content;
+using dkp_slam::testing::frame_count;
 using dkp_slam::testing::head_of;
 using dkp_slam::testing::Program;
 using dkp_slam::testing::WallSequence;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-constexpr int frames = 12;
 
 class ViewCommandTest : public testing::FolderTest {
  protected:
@@ -54,7 +53,7 @@ class ViewCommandTest : public testing::FolderTest {
 };
 
 TEST_F(ViewCommandTest, PagesChangeNothingInARunAndAMapOpensToo) {
-  const WallSequence wall(folder_ / "wall", frames);
+  const WallSequence wall(folder_ / "wall", frame_count);
   const std::string sequence = wall.folder().string();
   const std::string plain = (folder_ / "plain").string(), seen = (folder_ / "seen").string();
   const std::string map = (folder_ / "wall.map").string();
@@ -76,7 +75,7 @@ TEST_F(ViewCommandTest, PagesChangeNothingInARunAndAMapOpensToo) {
   for (int i = 0; i < 20; ++i) ask(port, "/api/picture");
   pages.resize(3);
   const nlohmann::json end = wait_for_end(port);
-  EXPECT_EQ(end["newest"], frames - 1);
+  EXPECT_EQ(end["newest"], frame_count - 1);
   EXPECT_EQ(end["truth"], true);
   EXPECT_FALSE(end["keyframes"].empty());
   EXPECT_GE(head_of(ask(port, "/api/error").body)["matches"], 2);
@@ -98,7 +97,7 @@ TEST_F(ViewCommandTest, PagesChangeNothingInARunAndAMapOpensToo) {
 }
 
 TEST_F(ViewCommandTest, ARunWithAViewEndsWithTheRun) {
-  const WallSequence wall(folder_ / "wall", frames);
+  const WallSequence wall(folder_ / "wall", frame_count);
   const Program run = start("a", {"run", wall.folder().string(), "--mode", "off", "--view", "--out",
                                   (folder_ / "out").string()});
   EXPECT_EQ(run.wait(), 0);

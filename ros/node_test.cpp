@@ -25,13 +25,13 @@ using testing::content;
 using ::testing::HasSubstr;
 using testing::wait_until;
 
-constexpr int frame_count = 20;
+constexpr int wall_frames = 20;
 
 class WallNode : public testing::RosNode {
  protected:
   std::string bag() const { return folder_ / "wall.bag"; }
   void write_bag() const {
-    const WallSequence sequence(folder_ / "sequence", frame_count);
+    const WallSequence sequence(folder_ / "sequence", wall_frames);
     TestBag out(bag());
     const Camera& camera = sequence.camera;
     const auto source = open_tum_folder(sequence.folder(), camera);
@@ -111,15 +111,15 @@ TEST_F(WallNode, AnswersEveryFrameOfABagAndSaysWhatIsWrong) {
   listen<PointCloud>("/dkp_slam/landmarks", [&](const auto& m) { landmarks = m.width; });
   listen<PointCloud>("/dkp_slam/cloud", [&](const auto& m) { cloud = m.width; });
   ASSERT_TRUE(play(bag())) << log();
-  EXPECT_TRUE(wait_until([&] { return states.size() >= frame_count; })) << log();
-  ASSERT_EQ(states.size(), std::size_t{frame_count}) << ::testing::PrintToString(states);
+  EXPECT_TRUE(wait_until([&] { return states.size() >= wall_frames; })) << log();
+  ASSERT_EQ(states.size(), std::size_t{wall_frames}) << ::testing::PrintToString(states);
   EXPECT_THAT(states.back(), HasSubstr("\"state\": \"tracking\", \"localised\": true"));
-  ASSERT_TRUE(wait_until([&] { return poses.size() >= frame_count; }));
-  EXPECT_TRUE(wait_until([&] { return transforms >= frame_count; }));
+  ASSERT_TRUE(wait_until([&] { return poses.size() >= wall_frames; }));
+  EXPECT_TRUE(wait_until([&] { return transforms >= wall_frames; }));
   // To the right is -y in ROS.
   const auto& last = poses.back();
   EXPECT_EQ(last.header.frame_id, "map");
-  const double moved = WallSequence::step * (frame_count - 1) * WallSequence::depth / 500.0;
+  const double moved = WallSequence::step * (wall_frames - 1) * WallSequence::depth / 500.0;
   EXPECT_NEAR(last.pose.pose.position.y, -moved, 0.02);
   EXPECT_NEAR(last.pose.pose.position.x, 0.0, 0.02);
   EXPECT_GT(last.pose.covariance[0], 0.0);

@@ -23,7 +23,7 @@ using testing::content;
 using ::testing::HasSubstr;
 using testing::wait_until;
 
-constexpr int frame_count = 90;
+constexpr int room_frames = 90;
 constexpr double pi = 3.14159265358979323846;
 /// Metres: x ahead of where the robot begins, y to its left, z from the floor.
 const Eigen::AlignedBox3d room(Eigen::Vector3d(-1.5, -2.0, 0.0), Eigen::Vector3d(2.5, 2.0, 2.5));
@@ -48,7 +48,7 @@ Se3 base_from_camera() {
 
 /// The robot drives to and fro while it looks about.
 Se3 room_from_base(int i) {
-  const double phase = 2.0 * pi * i / frame_count;
+  const double phase = 2.0 * pi * i / room_frames;
   const Eigen::AngleAxisd yaw(0.6 * std::sin(phase), Eigen::Vector3d::UnitZ());
   return {Eigen::Quaterniond(yaw), {0.2 - 0.2 * std::cos(phase), 0.0, 0.0}};
 }
@@ -77,7 +77,7 @@ void write_bag(const std::string& file) {
   const Camera camera = small_camera();
   const auto obstacle = dkp_slam::testing::box(pillar);
   TestBag bag(file);
-  for (int i = 0; i < frame_count; ++i) {
+  for (int i = 0; i < room_frames; ++i) {
     const Se3 pose = room_from_base(i) * base_from_camera();
     cv::Mat colour(camera.height, camera.width, CV_8UC3), depth(colour.size(), CV_16UC1);
     for (int v = 0; v < camera.height; ++v) {
@@ -183,16 +183,16 @@ class RoomNode : public testing::RosNode {
     const auto started = node(parameters);
     ASSERT_TRUE(play(bag())) << log();
     EXPECT_TRUE(wait_until([&] {
-      return poses_.size() >= frame_count && transforms_.size() >= frame_count && more();
+      return poses_.size() >= room_frames && transforms_.size() >= room_frames && more();
     })) << states_.size()
         << ' ' << poses_.size() << log();
     EXPECT_EQ(started->end(), 0) << log();
     EXPECT_THAT(log(), HasSubstr("90 frames, 90 answered, 0 dropped"));
   }
   void expect_true_way() const {
-    ASSERT_EQ(poses_.size(), std::size_t{frame_count});
-    ASSERT_EQ(transforms_.size(), std::size_t{frame_count});
-    for (int i = 0; i < frame_count; ++i) {
+    ASSERT_EQ(poses_.size(), std::size_t{room_frames});
+    ASSERT_EQ(transforms_.size(), std::size_t{room_frames});
+    for (int i = 0; i < room_frames; ++i) {
       const auto k = static_cast<std::size_t>(i);
       const Se3 camera = se3_of(poses_[k].pose.pose);
       const Se3 true_camera = room_from_base(i) * base_from_camera();

@@ -25,7 +25,7 @@ namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
-using dkp_slam::testing::Connection;
+using dkp_slam::testing::DriverConnection;
 using dkp_slam::testing::end_of_stream;
 using dkp_slam::testing::frame_of;
 using dkp_slam::testing::header_of;
@@ -90,7 +90,7 @@ class StreamSourceTest : public ::testing::Test {
   /// Connects, sends each of these, and goes.
   void drive(std::vector<std::string> parts) {
     drivers_.push_back(std::async(std::launch::async, [parts = std::move(parts)] {
-      Connection connection(address());
+      DriverConnection connection(address());
       try {
         for (const std::string& part : parts) connection.send(part);
       } catch (const Error&) {  // the source has seen enough and is gone
@@ -227,11 +227,11 @@ TEST_F(StreamSourceTest, ADriverThatWritesNonsenseIsSentAwayAndAnotherGoesOn) {
   const auto source = open();
   EXPECT_EQ(source->read()->timestamp, 1.0);
   drivers_.push_back(std::async(std::launch::async, [] {
-    { Connection(address()).send(std::string(40, 'x')); }
+    { DriverConnection(address()).send(std::string(40, 'x')); }
     stream::Header other = small_header();
     other.width = 2 * width;
-    { Connection(address()).send(header_of(other, "")); }
-    Connection(address()).send(usual_header() + usual_frame(2.0) + end_of_stream());
+    { DriverConnection(address()).send(header_of(other, "")); }
+    DriverConnection(address()).send(usual_header() + usual_frame(2.0) + end_of_stream());
   }));
   EXPECT_EQ(source->read()->timestamp, 2.0);
   EXPECT_FALSE(source->read());
@@ -249,10 +249,10 @@ TEST_F(StreamSourceTest, EndsWhereNobodyComesBack) {
 
 TEST_F(StreamSourceTest, ASilentDriverMakesRoomForAnother) {
   options_.channel.silence = 0.1;
-  std::unique_ptr<Connection> silent;
+  std::unique_ptr<DriverConnection> silent;
   std::promise<void> sent;
   drivers_.push_back(std::async(std::launch::async, [&] {
-    silent = std::make_unique<Connection>(address());
+    silent = std::make_unique<DriverConnection>(address());
     silent->send(usual_header() + usual_frame(1.0));
     sent.set_value();
   }));
@@ -268,9 +268,9 @@ TEST_F(StreamSourceTest, TheStopFlagEndsEveryWait) {
   stop_soon();
   EXPECT_THAT(message_of([&] { open(); }), HasSubstr("interrupted before a stream came"));
   stop_ = false;
-  std::unique_ptr<Connection> silent;
+  std::unique_ptr<DriverConnection> silent;
   drivers_.push_back(std::async(std::launch::async, [&] {
-    silent = std::make_unique<Connection>(address());
+    silent = std::make_unique<DriverConnection>(address());
     silent->send(usual_header() + usual_frame(1.0).substr(0, 30));
   }));
   const auto source = open();
@@ -306,7 +306,7 @@ TEST_F(StreamSourceTest, WorksThroughTcpOnAFreePort) {
   const auto input = ByteInput::open(StreamAddress::parse("tcp:0"), options);
   EXPECT_THAT(input->name(), ::testing::MatchesRegex("tcp:127\\.0\\.0\\.1:[1-9][0-9]*"));
   auto driver = std::async(std::launch::async,
-                           [name = input->name()] { Connection(name).send("twelve bytes"); });
+                           [name = input->name()] { DriverConnection(name).send("twelve bytes"); });
   ASSERT_TRUE(input->next_peer(10.0));
   std::string bytes(20, '\0');
   EXPECT_EQ(input->read(bytes), 12U);

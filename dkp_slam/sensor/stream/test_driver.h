@@ -13,9 +13,9 @@
 namespace dkp_slam::testing {
 
 /// A driver's connection to a program that listens.
-class Connection {
+class DriverConnection {
  public:
-  explicit Connection(const std::string& address)
+  explicit DriverConnection(const std::string& address)
       : output_(StreamAddress::parse(address), ChannelOptions(), 20.0) {}
   void send(const std::string& bytes) {
     if (!output_.write(bytes)) throw std::runtime_error("stopped");
