@@ -1,13 +1,15 @@
 // dkp-slam-bench: what developers measure of the parts of the system, one command each.
 
+#include <cstdio>
 #include <exception>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "bench/benches.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   CLI::App program("Measures parts of dkp-slam, for its developers", "dkp-slam-bench");
   program.require_subcommand(1);
   dkp_slam::bench::add_dense(program);
@@ -20,9 +22,17 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? 0 : 2;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "dkp-slam-bench: {}\n", error.what());
-    return 1;
   }
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "dkp-slam-bench: %s\n", error.what());
+    return 1;
+  }
 }

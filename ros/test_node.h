@@ -63,7 +63,7 @@ class Started {
 };
 
 inline bool wait_until(const std::function<bool()>& condition) {
-  constexpr int most = 3000;  // half a minute
+  constexpr int most = 12000;  // two minutes: under a sanitizer everything takes ten times as long
   for (int i = 0; i < most && !condition(); ++i) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
   }

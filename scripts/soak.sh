@@ -27,7 +27,11 @@ cd "$folder"
 rm -rf runs && mkdir runs
 end=$((SECONDS + seconds))
 
-readonly patience=120  # seconds: whatever takes longer hangs
+# Seconds: whatever takes longer hangs. Longer by as much as others crowd the cores.
+readonly patience=120
+patience_now() {
+  python3 -c "import os; print(round($patience * max(1, os.getloadavg()[0] / os.cpu_count())))"
+}
 declare -A done_of=()
 problems=0
 problem() {
@@ -70,7 +74,8 @@ check_left() {  # WHAT CODE
 }
 
 play() {  # WHAT CODES... -- COMMAND...: runs it; its exit code must be one of these
-  local what=$1 codes=() code=0
+  local what=$1 codes=() code=0 most
+  most=$(patience_now)
   shift
   while [ "$1" != -- ]; do codes+=("$1"); shift; done
   shift
@@ -79,7 +84,7 @@ play() {  # WHAT CODES... -- COMMAND...: runs it; its exit code must be one of t
       ulimit -v "$2"
       shift 2
     fi
-    exec timeout --signal=KILL "$patience" "$@"
+    exec timeout --signal=KILL "$most" "$@"
   ) >runs/last.log 2>&1 || code=$?
   done_of[$what]=$((${done_of[$what]:-0} + 1))
   if [[ " ${codes[*]} " != *" $code "* ]]; then

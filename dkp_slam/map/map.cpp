@@ -338,7 +338,9 @@ void Map::set_range(Landmark& l, const Se3& first_camera_from_world) const {
 
 int Map::predicted_level(const Landmark& l, double distance) const {
   const auto ratio = static_cast<float>(l.max_distance / distance);
-  return std::clamp(static_cast<int>(std::ceil(std::log(ratio) / log_scale_)), 0, levels() - 1);
+  const float level = std::ceil(std::log(ratio) / log_scale_);
+  // As numbers, not yet as a level: a stored map can make them infinite, or none at all.
+  return static_cast<int>(std::fmin(std::fmax(level, 0.0F), static_cast<float>(levels() - 1)));
 }
 
 std::size_t Map::memory() const {

@@ -2,11 +2,17 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace dkp_slam {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::Ge;
+using ::testing::Le;
 
 Camera plain_camera() {
   Camera camera;
@@ -152,6 +158,19 @@ TEST_F(MapOfThree, PredictedLevelFollowsTheDistance) {
   EXPECT_EQ(map.predicted_level(l, 2.0), 0);
   EXPECT_EQ(map.predicted_level(l, 2.0 / (1.2 * 1.2) + 1e-4), 2);
   EXPECT_EQ(map.predicted_level(l, 0.01), 7);
+}
+
+TEST_F(MapOfThree, APredictedLevelIsOneOfThemAlsoWhereAStoredRangeIsNone) {
+  Landmark l;
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  for (const float range : {0.0F, -1.0F, infinity, std::nanf("")}) {
+    l.max_distance = range;
+    for (const double distance : {0.0, 2.0, std::numeric_limits<double>::infinity()}) {
+      EXPECT_THAT(map.predicted_level(l, distance), AllOf(Ge(0), Le(map.levels() - 1)));
+    }
+  }
+  l.max_distance = infinity;
+  EXPECT_EQ(map.predicted_level(l, 2.0), map.levels() - 1);
 }
 
 /// World after a move from the world before it.

@@ -120,6 +120,9 @@ class OnnxNetwork : public YoloxNetwork {
     session_options.SetInterOpNumThreads(1);
     session_options.SetExecutionMode(ORT_SEQUENTIAL);
     session_options.SetGraphOptimizationLevel(ORT_ENABLE_ALL);
+    // A plan of the memory takes a block of its own beside what the arena has: 4 MB more, no
+    // faster.
+    session_options.DisableMemPattern();
     // Idle threads must not spin: tracking and mapping share the cores.
     session_options.AddConfigEntry("session.intra_op.allow_spinning", "0");
     session_options.AddConfigEntry("session.inter_op.allow_spinning", "0");

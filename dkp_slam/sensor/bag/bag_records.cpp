@@ -19,7 +19,7 @@ namespace {
 // http://wiki.ros.org/Bags/Format/2.0: records of <length><header><length><data>; a header is
 // fields of <length>name=value. Numbers are little-endian.
 constexpr std::string_view first_line = "#ROSBAG V2.0\n";
-constexpr std::uint8_t op_index = 4, op_chunk = 5;
+constexpr std::uint8_t op_index = 4, op_chunk = 5, op_connection = 7;
 constexpr std::uint64_t length_bytes = 4;
 
 template <class Number>
@@ -28,6 +28,19 @@ std::optional<Number> number_of(std::string_view value) {
   Number number;
   std::memcpy(&number, value.data(), sizeof(number));
   return number;
+}
+
+/// Whether there are fields of <length>name=value from beginning to end, as rosbag takes for
+/// granted.
+bool is_fields(std::string_view text) {
+  while (!text.empty()) {
+    if (text.size() < length_bytes) return false;
+    const std::uint64_t length = *number_of<std::uint32_t>(text.substr(0, length_bytes));
+    text.remove_prefix(length_bytes);
+    if (length > text.size() || text.substr(0, length).find('=') == text.npos) return false;
+    text.remove_prefix(length);
+  }
+  return true;
 }
 
 struct Record {
@@ -91,13 +104,26 @@ class BagWalk {
     if (header > longest_header || at + length_bytes + header > end) fail(at);
     Record record;
     record.header.resize(header);
-    if (!stream_.read(record.header.data(), header)) fail(at);
+    if (!stream_.read(record.header.data(), header) || !is_fields(record.header)) fail(at);
     const std::uint64_t length_place = at + length_bytes + header;
     const std::uint32_t data = length_at(length_place, end);
     record.data = length_place + length_bytes;
     record.end = record.data + data;
     if (record.end > end) fail(at);
+    if (number_of<std::uint8_t>(record.field("op")) == op_connection) check_connection(record);
     return record;
+  }
+
+  /// What a connection is called and holds is fields, too.
+  void check_connection(const Record& connection) {
+    constexpr std::uint64_t longest = 10'000'000;  // definitions of messages are a few thousand
+    const std::uint64_t size = connection.end - connection.data;
+    if (size > longest) fail(connection.data);
+    std::string fields(size, '\0');
+    stream_.seekg(static_cast<std::streamoff>(connection.data));
+    if (!stream_.read(fields.data(), static_cast<std::streamsize>(size)) || !is_fields(fields)) {
+      fail(connection.data);
+    }
   }
 
   /// Notes where the chunk's messages begin, by which the index names them.

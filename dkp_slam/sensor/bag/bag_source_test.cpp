@@ -192,6 +192,27 @@ TEST_F(BagSourceTest, ABagThatWasCutOffIsOneLine) {
   }
 }
 
+TEST_F(BagSourceTest, AFieldThatGoesOnBehindItsHeaderIsDamage) {
+  {
+    TestBag bag(file());
+    bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
+    bag.image("/depth/image", 1.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
+  }
+  std::ifstream in(file(), std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  // Of the bag, of a connection and of what it holds; no more than rosbag itself lets pass.
+  for (const std::string field : {"op=", "index_pos=", "conn=", "topic=", "type=", "md5sum="}) {
+    std::string bytes = whole;
+    constexpr std::uint32_t length = 900'000;
+    bytes.replace(bytes.find(field) - sizeof(length), sizeof(length),
+                  reinterpret_cast<const char*>(&length), sizeof(length));
+    std::ofstream(file(), std::ios::binary | std::ios::trunc) << bytes;
+    EXPECT_THAT([this] { open_bag(file()); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("damaged"), HasSubstr("is not whole"))))
+        << field;
+  }
+}
+
 TEST_F(BagSourceTest, WhateverBytesAreWrongItIsOneLineOrFrames) {
   {
     TestBag bag(file());
