@@ -213,6 +213,26 @@ TEST_F(BagSourceTest, AFieldThatGoesOnBehindItsHeaderIsDamage) {
   }
 }
 
+TEST_F(BagSourceTest, AnArrayThatIsLongerThanAnyImageIsNotMade) {
+  {
+    TestBag bag(file());
+    bag.info("/rgb/camera_info", 1.0, {6, 4}, 500.0);
+    bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
+    bag.image("/depth/image", 1.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
+  }
+  std::ifstream in(file(), std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  // With its length, as the message has it; how many distortion coefficients there are follows.
+  const std::string model("\x09\0\0\0plumb_bob", 13);
+  ASSERT_NE(bytes.find(model), bytes.npos);
+  constexpr std::uint32_t gigabytes = 800'000'000;
+  bytes.replace(bytes.find(model) + model.size(), sizeof(gigabytes),
+                reinterpret_cast<const char*>(&gigabytes), sizeof(gigabytes));
+  std::ofstream(file(), std::ios::binary | std::ios::trunc) << bytes;
+  EXPECT_THAT([this] { open_bag(file()); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("damaged"), HasSubstr("longer than 256 MB"))));
+}
+
 TEST_F(BagSourceTest, WhateverBytesAreWrongItIsOneLineOrFrames) {
   {
     TestBag bag(file());

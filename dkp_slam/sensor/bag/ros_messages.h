@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <memory>
+#include <stdexcept>
 
 #include <geometry_msgs/Transform.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -17,7 +19,8 @@ namespace dkp_slam::ros1 {
 // Messages of ROS 1 and views of them, for those who are built with ROS.
 
 /// Debian's headers of messages ask their allocator for `rebind`, which std::allocator has no more
-/// in C++20. With this one the same fields and bytes come out.
+/// in C++20. With this one the same fields and bytes come out. ROS makes arrays as long as a
+/// message says before it looks whether so much has come: what no image needs is refused.
 template <class T>
 struct Allocator : std::allocator<T> {
   template <class Other>
@@ -30,6 +33,12 @@ struct Allocator : std::allocator<T> {
   template <class Other>
   operator std::allocator<Other>() const {
     return {};
+  }
+  T* allocate(std::size_t count) {
+    constexpr std::size_t most_bytes = std::size_t{1} << 28U;
+    if (count > most_bytes / sizeof(T))
+      throw std::length_error("an array of a message is longer than 256 MB");
+    return std::allocator<T>::allocate(count);
   }
 };
 template <>
