@@ -1,8 +1,9 @@
 # Debian 12's rosbag, which reads and writes ROS 1 bags: target RosBag::RosBag. Its own CMake and
-# pkg-config files name packages that Debian does not have under these names.
+# pkg-config files name packages that Debian does not have under these names. With bzip2, by which it
+# packs and which its headers include.
 find_path(RosBag_INCLUDE_DIR rosbag/view.h)
 find_path(RosBag_MESSAGES_INCLUDE_DIR sensor_msgs/CompressedImage.h)
-set(RosBag_libraries rosbag_storage roscpp_serialization rostime cpp_common console_bridge)
+set(RosBag_libraries rosbag_storage roscpp_serialization rostime cpp_common console_bridge bz2)
 set(RosBag_found_libraries "")
 foreach(name ${RosBag_libraries})
   find_library(RosBag_${name}_LIBRARY ${name})

@@ -91,21 +91,33 @@ void play(const std::string& file) {
 void run(Bytes bytes) {
   static const std::string good[] = {good_bag(), good_recording()};
   Reader input(bytes);
-  const std::size_t kind = input.take<std::uint8_t>() % 3;
+  // Two good ones, each with its chunk packed and not; else the input itself.
+  const std::size_t choice = input.take<std::uint8_t>() % 6, kind = choice % 3;
   std::string bag;
-  if (kind < 2) {
+  if (kind == 2) {
+    bag = text_of(input.rest());
+  } else if (choice < 2) {
+    testing::PlainBag changed(good[kind]);
+    change(changed.chunk, input);
+    change(changed.index, input);
+    bag = changed.packed(input.below(3));
+  } else {
     bag = good[kind];
     change(bag, input);
-  } else {
-    bag = text_of(input.rest());
   }
   const InputFile file(bytes_of(bag));
   takes([&] { play(file.path()); });
 }
 
 std::vector<std::string> seeds() {
-  return {std::string("\0\0\0", 3), std::string("\1\0\0", 3),
-          std::string("\1\2\144\4\7\30\5\1\0", 9), std::string("\0\1\50\6\5\1\20\7", 8),
+  return {std::string("\0\0\0", 3),
+          std::string("\1\0\0", 3),
+          std::string("\1\2\144\4\7\30\5\1\0", 9),
+          std::string("\0\1\50\6\5\1\20\7", 8),
+          std::string("\3\0\0", 3),
+          std::string("\4\0\0", 3),
+          std::string("\3\2\144\4\7\30\5\1\0", 9),
+          std::string("\4\0\0\1\50\6\5\1", 8),
           "\2#ROSBAG V2.0\n"};
 }
 

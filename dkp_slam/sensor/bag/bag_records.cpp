@@ -1,174 +1,145 @@
 #include "dkp_slam/sensor/bag/bag_records.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <optional>
 #include <string_view>
-#include <vector>
 
+#include <bzlib.h>
 #include <fmt/format.h>
+#include <rosbag/chunked_file.h>
 
 #include "dkp_slam/error.h"
 
 namespace dkp_slam {
 namespace {
 
-// http://wiki.ros.org/Bags/Format/2.0: records of <length><header><length><data>; a header is
-// fields of <length>name=value. Numbers are little-endian.
+using ros1::fail_record;
+using ros1::number_at;
+using ros1::number_of;
+using ros1::Record;
+
 constexpr std::string_view first_line = "#ROSBAG V2.0\n";
-constexpr std::uint8_t op_index = 4, op_chunk = 5, op_connection = 7;
-constexpr std::uint64_t length_bytes = 4;
 
-template <class Number>
-std::optional<Number> number_of(std::string_view value) {
-  if (value.size() != sizeof(Number)) return std::nullopt;
-  Number number;
-  std::memcpy(&number, value.data(), sizeof(number));
-  return number;
+/// A chunk's bytes, `size` at most. rosbag itself does not notice when bzip2 gives fewer.
+std::string unpacked(std::string packed, std::string_view compression, unsigned size) {
+  std::string bytes(size, '\0');
+  if (compression == "lz4") {
+    rosbag::ChunkedFile().decompress(
+        rosbag::compression::LZ4, reinterpret_cast<std::uint8_t*>(bytes.data()), size,
+        reinterpret_cast<std::uint8_t*>(packed.data()), static_cast<unsigned>(packed.size()));
+    return bytes;
+  }
+  if (compression != "bz2") throw Error(fmt::format("compression '{}' is not known", compression));
+  if (BZ2_bzBuffToBuffDecompress(bytes.data(), &size, packed.data(),
+                                 static_cast<unsigned>(packed.size()), 0, 0) != BZ_OK) {
+    throw Error("a chunk cannot be unpacked");
+  }
+  bytes.resize(size);
+  return bytes;
 }
-
-/// Whether there are fields of <length>name=value from beginning to end, as rosbag takes for
-/// granted.
-bool is_fields(std::string_view text) {
-  while (!text.empty()) {
-    if (text.size() < length_bytes) return false;
-    const std::uint64_t length = *number_of<std::uint32_t>(text.substr(0, length_bytes));
-    text.remove_prefix(length_bytes);
-    if (length > text.size() || text.substr(0, length).find('=') == text.npos) return false;
-    text.remove_prefix(length);
-  }
-  return true;
-}
-
-struct Record {
-  std::string header;
-  std::uint64_t data = 0, end = 0;  ///< places in the file, of the data and after them
-
-  /// Empty where there is no such field.
-  std::string_view field(std::string_view name) const {
-    std::string_view rest = header;
-    while (rest.size() >= length_bytes) {
-      const std::uint64_t length = *number_of<std::uint32_t>(rest.substr(0, length_bytes));
-      rest.remove_prefix(length_bytes);
-      const std::string_view whole = rest.substr(0, length);
-      rest.remove_prefix(std::min<std::uint64_t>(length, rest.size()));
-      if (whole.size() > name.size() && whole.starts_with(name) && whole[name.size()] == '=') {
-        return whole.substr(name.size() + 1);
-      }
-    }
-    return {};
-  }
-};
-
-class BagWalk {
- public:
-  explicit BagWalk(const std::string& file) : size_(std::filesystem::file_size(file)) {
-    // Small reads far apart: a buffer would be filled for each of them.
-    stream_.rdbuf()->pubsetbuf(nullptr, 0);
-    stream_.open(file, std::ios::binary);
-  }
-
-  void check() {
-    std::string line(first_line.size(), '\0');
-    if (!stream_.read(line.data(), static_cast<std::streamsize>(line.size())) || line != first_line)
-      return;
-    Record record = read(first_line.size(), size_);
-    if (number_of<std::uint64_t>(record.field("index_pos")).value_or(0) == 0) return;
-    while (record.end < size_) {
-      record = read(record.end, size_);
-      const auto op = number_of<std::uint8_t>(record.field("op"));
-      if (op == op_chunk) walk_chunk(record);
-      if (op == op_index) check_index(record);
-    }
-  }
-
- private:
-  [[noreturn]] static void fail(std::uint64_t at) {
-    throw Error(fmt::format("the record at byte {} is not whole", at));
-  }
-
-  std::uint32_t length_at(std::uint64_t at, std::uint64_t end) {
-    std::string bytes(length_bytes, '\0');
-    stream_.seekg(static_cast<std::streamoff>(at));
-    if (at + length_bytes > end || !stream_.read(bytes.data(), length_bytes)) fail(at);
-    return *number_of<std::uint32_t>(bytes);
-  }
-
-  /// The record that begins at `at` and ends at `end` at the latest.
-  Record read(std::uint64_t at, std::uint64_t end) {
-    constexpr std::uint32_t longest_header = 1'000'000;
-    const std::uint32_t header = length_at(at, end);
-    if (header > longest_header || at + length_bytes + header > end) fail(at);
-    Record record;
-    record.header.resize(header);
-    if (!stream_.read(record.header.data(), header) || !is_fields(record.header)) fail(at);
-    const std::uint64_t length_place = at + length_bytes + header;
-    const std::uint32_t data = length_at(length_place, end);
-    record.data = length_place + length_bytes;
-    record.end = record.data + data;
-    if (record.end > end) fail(at);
-    if (number_of<std::uint8_t>(record.field("op")) == op_connection) check_connection(record);
-    return record;
-  }
-
-  /// What a connection is called and holds is fields, too.
-  void check_connection(const Record& connection) {
-    constexpr std::uint64_t longest = 10'000'000;  // definitions of messages are a few thousand
-    const std::uint64_t size = connection.end - connection.data;
-    if (size > longest) fail(connection.data);
-    std::string fields(size, '\0');
-    stream_.seekg(static_cast<std::streamoff>(connection.data));
-    if (!stream_.read(fields.data(), static_cast<std::streamsize>(size)) || !is_fields(fields)) {
-      fail(connection.data);
-    }
-  }
-
-  /// Notes where the chunk's messages begin, by which the index names them.
-  void walk_chunk(const Record& chunk) {
-    constexpr std::uint32_t largest = 1'000'000'000;
-    const auto size = number_of<std::uint32_t>(chunk.field("size"));
-    if (!size || *size > largest) fail(chunk.data);
-    places_.clear();
-    chunk_size_ = *size;
-    plain_ = chunk.field("compression") == "none";
-    if (!plain_) return;  // rosbag unpacks it into as many bytes
-    if (*size != chunk.end - chunk.data) fail(chunk.data);
-    for (std::uint64_t at = chunk.data; at < chunk.end;) {
-      places_.push_back(static_cast<std::uint32_t>(at - chunk.data));
-      at = read(at, chunk.end).end;
-    }
-  }
-
-  void check_index(const Record& index) {
-    constexpr std::uint64_t entry = 12;  // a time and a place in the chunk
-    const auto count = number_of<std::uint32_t>(index.field("count"));
-    if (!count || index.end - index.data != entry * *count) fail(index.data);
-    std::string entries(entry * *count, '\0');
-    stream_.seekg(static_cast<std::streamoff>(index.data));
-    if (!stream_.read(entries.data(), static_cast<std::streamsize>(entries.size()))) {
-      fail(index.data);
-    }
-    for (std::uint64_t at = 0; at < entries.size(); at += entry) {
-      std::uint32_t place = 0;
-      std::memcpy(&place, &entries[at + entry - sizeof(place)], sizeof(place));
-      const bool there =
-          plain_ ? std::binary_search(places_.begin(), places_.end(), place) : place < chunk_size_;
-      if (!there) fail(index.data);
-    }
-  }
-
-  std::ifstream stream_;
-  const std::uint64_t size_;
-  std::vector<std::uint32_t> places_;  // of the last chunk's records, rising
-  std::uint32_t chunk_size_ = 0;
-  bool plain_ = false;
-};
 
 }  // namespace
 
-void check_bag_records(const std::string& file) { BagWalk(file).check(); }
+BagRecords::BagRecords(const std::string& file)
+    : size_(std::filesystem::file_size(file)),
+      reader_([this](std::uint64_t place, char* bytes, std::uint64_t size) {
+        stream_.clear();
+        stream_.seekg(static_cast<std::streamoff>(place));
+        return static_cast<bool>(stream_.read(bytes, static_cast<std::streamsize>(size)));
+      }) {
+  // Small reads far apart: a buffer would be filled for each of them.
+  stream_.rdbuf()->pubsetbuf(nullptr, 0);
+  stream_.open(file, std::ios::binary);
+  check_file();
+}
+
+void BagRecords::check_until(std::uint64_t nanoseconds) {
+  for (; checked_ < packed_.size() && packed_[checked_].first <= nanoseconds; ++checked_) {
+    check_packed(packed_[checked_].chunk);
+  }
+}
+
+void BagRecords::check_file() {
+  if (size_ < first_line.size() || reader_.bytes(0, first_line.size()) != first_line) return;
+  Record record = reader_.read(first_line.size(), size_);
+  const auto index = number_of<std::uint64_t>(record.field("index_pos")).value_or(0);
+  if (index == 0) return;
+  bool has_index = index == size_;
+  while (record.end < size_) {
+    record = reader_.read(record.end, size_);
+    has_index |= record.at == index;
+    const auto op = record.op();
+    if (op == ros1::op_chunk) walk_chunk(record);
+    if (op == ros1::op_index) check_index(record);
+    if (op == ros1::op_chunk_info) check_chunk_info(record);
+  }
+  if (!has_index) fail_record(index);
+  std::stable_sort(packed_.begin(), packed_.end(),
+                   [](const Packed& a, const Packed& b) { return a.first < b.first; });
+}
+
+/// Notes where the chunk's messages begin, by which the index names them.
+void BagRecords::walk_chunk(const Record& chunk) {
+  constexpr std::uint32_t largest = 1'000'000'000;
+  const auto size = number_of<std::uint32_t>(chunk.field("size"));
+  if (!size || *size > largest) fail_record(chunk.data);
+  chunks_.push_back(chunk.at);
+  places_.clear();
+  knows_places_ = chunk.field("compression") == "none";
+  if (!knows_places_) {
+    packed_.push_back({.chunk = chunk.at});
+    return;
+  }
+  if (*size != chunk.end - chunk.data) fail_record(chunk.data);
+  places_ = reader_.message_places(chunk.data, chunk.end);
+}
+
+/// Of the last chunk: its places, or of a compressed one that is not unpacked yet its first time.
+void BagRecords::check_index(const Record& index) {
+  constexpr std::uint64_t entry = 12;  // seconds, nanoseconds, place in the chunk
+  const auto count = number_of<std::uint32_t>(index.field("count"));
+  if (!count || index.end - index.data != entry * *count) fail_record(index.data);
+  const std::string entries = reader_.bytes(index.data, index.end);
+  for (std::uint64_t at = 0; at < entries.size(); at += entry) {
+    if (knows_places_) {
+      const auto place = number_at<std::uint32_t>(entries, at + 8);
+      if (!std::binary_search(places_.begin(), places_.end(), place)) fail_record(index.data);
+    } else if (!packed_.empty()) {
+      const std::uint64_t time = number_at<std::uint32_t>(entries, at) * 1'000'000'000ULL +
+                                 number_at<std::uint32_t>(entries, at + 4);
+      packed_.back().first = std::min(packed_.back().first, time);
+    }
+  }
+}
+
+void BagRecords::check_chunk_info(const Record& info) const {
+  const auto chunk = number_of<std::uint64_t>(info.field("chunk_pos"));
+  if (!chunk || !std::binary_search(chunks_.begin(), chunks_.end(), *chunk)) fail_record(info.at);
+}
+
+void BagRecords::check_packed(std::uint64_t chunk) {
+  Record record = reader_.read(chunk, size_);
+  places_ = places_in(record);
+  knows_places_ = true;
+  while (record.end < size_) {
+    record = reader_.read(record.end, size_);
+    if (record.op() != ros1::op_index) break;
+    check_index(record);
+  }
+}
+
+std::vector<std::uint32_t> BagRecords::places_in(const Record& chunk) const {
+  // What closes a chunk is its size, after a message: far less than what may be said.
+  constexpr std::uint32_t largest = 300'000'000;
+  const auto size = number_of<std::uint32_t>(chunk.field("size")).value_or(0);
+  if (size > largest) fail_record(chunk.data);
+  const std::string bytes =
+      unpacked(reader_.bytes(chunk.data, chunk.end), chunk.field("compression"), size);
+  if (bytes.size() != size) fail_record(chunk.data);
+  const ros1::RecordReader reader([&](std::uint64_t place, char* to, std::uint64_t count) {
+    return bytes.copy(to, count, place) == count;
+  });
+  return reader.message_places(0, size);
+}
 
 }  // namespace dkp_slam

@@ -114,14 +114,28 @@ class RosBagSource : public BagSource {
     }
   }
 
-  void open(const BagOptions& options) {
-    if (!std::filesystem::exists(file_)) fail("no such file; check the path");
-    if (!is_bag(file_)) fail("is no ROS 1 bag (those of ROS 2 are not read)");
+  /// What is wrong with the bag's records, as a line that names the file.
+  template <class Work>
+  void checked(const Work& work) const {
     try {
-      check_bag_records(file_);
+      work();
     } catch (const Error& error) {
       fail(fmt::format("is cut off or damaged ({})", error.what()));
     }
+  }
+
+  /// The message, null where it is of another type; as rosbag believes what it is told, only after
+  /// a look at the chunk.
+  template <class Message>
+  boost::shared_ptr<Message> message_of(const rosbag::MessageInstance& instance) const {
+    checked([&] { records_->check_until(instance.getTime().toNSec()); });
+    return instance.instantiate<Message>();
+  }
+
+  void open(const BagOptions& options) {
+    if (!std::filesystem::exists(file_)) fail("no such file; check the path");
+    if (!is_bag(file_)) fail("is no ROS 1 bag (those of ROS 2 are not read)");
+    checked([&] { records_ = std::make_unique<BagRecords>(file_); });
     bag_.open(file_, rosbag::bagmode::Read);
     try {
       topics_ = choose_topics(topics_of_bag(), options.topics);
@@ -171,7 +185,7 @@ class RosBagSource : public BagSource {
   boost::shared_ptr<Message> first(const std::string& topic) const {
     if (topic.empty()) return {};
     rosbag::View view(bag_, rosbag::TopicQuery(topic));
-    return view.begin() == view.end() ? nullptr : view.begin()->instantiate<Message>();
+    return view.begin() == view.end() ? nullptr : message_of<Message>(*view.begin());
   }
 
   std::optional<Camera> camera_in(const std::string& topic, bool rectified) const {
@@ -203,8 +217,8 @@ class RosBagSource : public BagSource {
     if (next_ == view_->end()) return false;
     const rosbag::MessageInstance& instance = *next_;
     ImageMessage message;
-    message.raw = instance.instantiate<ros1::Image>();
-    if (!message.raw) message.compressed = instance.instantiate<ros1::CompressedImage>();
+    message.raw = message_of<ros1::Image>(instance);
+    if (!message.raw) message.compressed = message_of<ros1::CompressedImage>(instance);
     if (!message.raw && !message.compressed) {
       fail(fmt::format("{}: its {} is not that of ROS 1", instance.getTopic(),
                        instance.getDataType()));
@@ -291,6 +305,7 @@ class RosBagSource : public BagSource {
 
   const std::string file_;
   rosbag::Bag bag_;
+  std::unique_ptr<BagRecords> records_;
   CameraTopics topics_;
   double units_per_metre_ = 1000.0;
   std::optional<Camera> own_camera_, depth_camera_;

@@ -18,10 +18,16 @@ namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
+using dkp_slam::testing::PlainBag;
 using dkp_slam::testing::TestBag;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
+
+std::string content_of(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
 
 class BagSourceTest : public testing::FolderTest {
  protected:
@@ -198,14 +204,97 @@ TEST_F(BagSourceTest, AFieldThatGoesOnBehindItsHeaderIsDamage) {
     bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
     bag.image("/depth/image", 1.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
   }
-  std::ifstream in(file(), std::ios::binary);
-  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  const std::string whole = content_of(file());
   // Of the bag, of a connection and of what it holds; no more than rosbag itself lets pass.
   for (const std::string field : {"op=", "index_pos=", "conn=", "topic=", "type=", "md5sum="}) {
     std::string bytes = whole;
     constexpr std::uint32_t length = 900'000;
     bytes.replace(bytes.find(field) - sizeof(length), sizeof(length),
                   reinterpret_cast<const char*>(&length), sizeof(length));
+    std::ofstream(file(), std::ios::binary | std::ios::trunc) << bytes;
+    EXPECT_THAT([this] { open_bag(file()); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("damaged"), HasSubstr("is not whole"))))
+        << field;
+  }
+}
+
+TEST_F(BagSourceTest, CompressedBagsAreReadAsTheyAre) {
+  const cv::Mat depth(480, 640, CV_16UC1, cv::Scalar(1500));
+  cv::Mat colour(480, 640, CV_8UC3);
+  for (const auto compression : {rosbag::compression::LZ4, rosbag::compression::BZ2}) {
+    {
+      TestBag bag(file(), compression);
+      bag.info("/rgb/camera_info", 1.0, colour.size(), 500.0);
+      // More than a chunk of 768 kB each.
+      for (int i = 0; i < 4; ++i) {
+        cv::theRNG().state = static_cast<std::uint64_t>(i + 1);
+        cv::randu(colour, 0, 256);
+        bag.image("/rgb/image", 1.0 + i, colour, "bgr8");
+        bag.image("/depth/image", 1.0 + i, depth, "16UC1");
+      }
+    }
+    const auto bag = opened();
+    for (int i = 0; i < 4; ++i) {
+      const auto frame = bag->read();
+      ASSERT_TRUE(frame) << i;
+      cv::theRNG().state = static_cast<std::uint64_t>(i + 1);
+      cv::randu(colour, 0, 256);
+      EXPECT_EQ(cv::norm(frame->colour, colour, cv::NORM_INF), 0.0);
+    }
+    EXPECT_FALSE(bag->read());
+  }
+}
+
+TEST_F(BagSourceTest, WhatACompressedChunkHoldsIsLookedAtBeforeItIsRead) {
+  {
+    TestBag bag(file());
+    bag.info("/rgb/camera_info", 1.0, {6, 4}, 500.0);
+    bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
+    bag.image("/depth/image", 1.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
+  }
+  const PlainBag good(content_of(file()));
+  const auto write = [this](const std::string& bytes) {
+    std::ofstream(file(), std::ios::binary | std::ios::trunc) << bytes;
+  };
+  write(good.packed());
+  EXPECT_TRUE(opened()->read());
+
+  const auto refused = [&](const std::string& bytes) {
+    write(bytes);
+    EXPECT_THAT([this] { open_bag(file()); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("damaged"), HasSubstr("is not whole"))));
+  };
+  constexpr std::uint32_t length = 900'000;
+  const std::string long_field(reinterpret_cast<const char*>(&length), sizeof(length));
+  for (const std::string field : {"conn=", "topic=", "type=", "time="}) {
+    PlainBag bag = good;
+    bag.chunk.replace(bag.chunk.find(field) - long_field.size(), long_field.size(), long_field);
+    refused(bag.packed());
+  }
+  // The last message's data, 24 pixels of two bytes and what comes before them, end elsewhere.
+  PlainBag cut = good;
+  cut.chunk.resize(cut.chunk.size() - 1);
+  refused(cut.packed());
+  refused(cut.packed(1));
+  // An index that names a place within a record.
+  PlainBag astray = good;
+  // Behind its header and, of the first entry, the time.
+  const std::size_t place = 4 + static_cast<unsigned char>(astray.index[0]) + 4 + 8;
+  astray.index[place] = static_cast<char>(astray.index[place] + 1);
+  refused(astray.packed());
+}
+
+TEST_F(BagSourceTest, PlacesThatAreNoRecordsAreDamage) {
+  {
+    TestBag bag(file());
+    bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
+    bag.image("/depth/image", 1.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
+  }
+  const std::string whole = content_of(file());
+  for (const std::string field : {"index_pos=", "chunk_pos="}) {
+    std::string bytes = whole;
+    char& lowest = bytes[bytes.find(field) + field.size()];
+    lowest = static_cast<char>(lowest + 1);
     std::ofstream(file(), std::ios::binary | std::ios::trunc) << bytes;
     EXPECT_THAT([this] { open_bag(file()); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("damaged"), HasSubstr("is not whole"))))
@@ -220,8 +309,7 @@ TEST_F(BagSourceTest, AnArrayThatIsLongerThanAnyImageIsNotMade) {
     bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
     bag.image("/depth/image", 1.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
   }
-  std::ifstream in(file(), std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  std::string bytes = content_of(file());
   // With its length, as the message has it; how many distortion coefficients there are follows.
   const std::string model("\x09\0\0\0plumb_bob", 13);
   ASSERT_NE(bytes.find(model), bytes.npos);
@@ -243,8 +331,7 @@ TEST_F(BagSourceTest, WhateverBytesAreWrongItIsOneLineOrFrames) {
                 "16UC1");
     }
   }
-  std::ifstream in(file(), std::ios::binary);
-  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  const std::string whole = content_of(file());
   const auto read_all = [this] {
     try {
       const auto bag = open_bag(file());

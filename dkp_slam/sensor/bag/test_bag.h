@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <string>
 
+#include <bzlib.h>
 #include <rosbag/bag.h>
 #include <opencv2/core.hpp>
 
@@ -14,7 +17,11 @@ namespace dkp_slam::testing {
 /// Writes a bag, by rosbag itself; it is whole when this goes.
 class TestBag {
  public:
-  explicit TestBag(const std::string& file) : bag_(file, rosbag::bagmode::Write) {}
+  explicit TestBag(const std::string& file,
+                   rosbag::CompressionType compression = rosbag::compression::Uncompressed)
+      : bag_(file, rosbag::bagmode::Write) {
+    bag_.setCompression(compression);
+  }
 
   /// A picture of 6 x 4 pixels, each of another colour.
   static cv::Mat pattern() {
@@ -70,6 +77,64 @@ class TestBag {
   static ros::Time at(double stamp) { return stamp > 0.0 ? ros::Time(stamp) : ros::TIME_MIN; }
 
   rosbag::Bag bag_;
+};
+
+/// The bytes of a bag whose one chunk is not compressed, and what that holds.
+struct PlainBag {
+  std::string head, chunk, index;
+
+  explicit PlainBag(const std::string& bag) {
+    constexpr std::size_t first_line = 13;
+    const std::size_t begin = end_of_record(bag, first_line);
+    const std::size_t end = end_of_record(bag, begin), size = size_at(bag, begin);
+    head = bag.substr(0, begin);
+    chunk = bag.substr(begin + size + 8, end - begin - size - 8);
+    index = bag.substr(end);
+    end_ = end;
+  }
+
+  /// The bag with this chunk, packed by bzip2, said to hold `said` bytes more than it does.
+  std::string packed(std::uint32_t said = 0) const {
+    std::string data(chunk.size() + chunk.size() / 100 + 600, '\0');
+    auto size = static_cast<unsigned>(data.size());
+    std::string bytes = chunk;
+    if (BZ2_bzBuffToBuffCompress(data.data(), &size, bytes.data(),
+                                 static_cast<unsigned>(bytes.size()), 9, 0, 0) != BZ_OK) {
+      return {};
+    }
+    data.resize(size);
+    const auto whole = static_cast<std::uint32_t>(chunk.size()) + said;
+    const std::string header =
+        sized("compression=bz2") + sized(std::string("op=\5")) + sized("size=" + text_of(whole));
+    std::string bag = head + sized(header) + sized(data);
+    // What it names lies behind the chunk.
+    const std::size_t place = bag.find("index_pos=") + 10;
+    std::uint64_t index_place = 0;
+    std::memcpy(&index_place, &bag[place], sizeof(index_place));
+    index_place += bag.size() - end_;
+    bag.replace(place, sizeof(index_place), text_of(index_place));
+    return bag + index;
+  }
+
+ private:
+  template <class Number>
+  static std::string text_of(Number number) {
+    return {reinterpret_cast<const char*>(&number), sizeof(number)};
+  }
+  static std::string sized(const std::string& text) {
+    return text_of(static_cast<std::uint32_t>(text.size())) + text;
+  }
+  static std::size_t size_at(const std::string& bag, std::size_t at) {
+    std::uint32_t size = 0;
+    std::memcpy(&size, &bag[at], sizeof(size));
+    return size;
+  }
+  static std::size_t end_of_record(const std::string& bag, std::size_t at) {
+    at += 4 + size_at(bag, at);
+    return at + 4 + size_at(bag, at);
+  }
+
+  std::size_t end_ = 0;  // of the chunk as it was
 };
 
 }  // namespace dkp_slam::testing
