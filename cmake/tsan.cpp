@@ -15,6 +15,10 @@ extern "C" const char* __tsan_default_options() {
   return "ignore_noninstrumented_modules=1 second_deadlock_stack=1";
 }
 
+// Embree builds a scene on TBB's threads, of which the same is true; std::string's functions, which
+// it calls, are those of our program, and so looked at all the same.
+extern "C" const char* __tsan_default_suppressions() { return "race:libembree3.so"; }
+
 namespace {
 
 thread_local int number_in_loop = 0;
