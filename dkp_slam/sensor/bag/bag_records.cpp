@@ -7,8 +7,7 @@
 #include <bzlib.h>
 #include <fmt/format.h>
 #include <rosbag/chunked_file.h>
-
-#include "dkp_slam/error.h"
+#include <rosbag/exceptions.h>
 
 namespace dkp_slam {
 namespace {
@@ -29,10 +28,11 @@ std::string unpacked(std::string packed, std::string_view compression, unsigned 
         reinterpret_cast<std::uint8_t*>(packed.data()), static_cast<unsigned>(packed.size()));
     return bytes;
   }
-  if (compression != "bz2") throw Error(fmt::format("compression '{}' is not known", compression));
+  if (compression != "bz2")
+    throw rosbag::BagFormatException(fmt::format("compression '{}' is not known", compression));
   if (BZ2_bzBuffToBuffDecompress(bytes.data(), &size, packed.data(),
                                  static_cast<unsigned>(packed.size()), 0, 0) != BZ_OK) {
-    throw Error("a chunk cannot be unpacked");
+    throw rosbag::BagFormatException("a chunk cannot be unpacked");
   }
   bytes.resize(size);
   return bytes;

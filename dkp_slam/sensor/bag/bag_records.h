@@ -14,17 +14,16 @@ namespace dkp_slam {
 /// Looks whether the records of a ROS 1 bag (format 2.0) and the fields of their headers lie where
 /// their lengths and the index say: rosbag itself believes them, and reads past its memory, or asks
 /// for gigabytes, where they are wrong. Bags of older formats and those without an index are left
-/// to rosbag.
+/// to rosbag. What is wrong is thrown as rosbag throws it: `rosbag::BagException`.
 class BagRecords {
  public:
-  /// All but what compressed chunks hold; reads no message. Throws `Error`.
+  /// All but what compressed chunks hold; reads no message.
   explicit BagRecords(const std::string& file);
   BagRecords(const BagRecords&) = delete;
   BagRecords& operator=(const BagRecords&) = delete;
 
   /// Unpacks the compressed chunks that by the index hold messages of `nanoseconds` and before,
-  /// each once: to be called before rosbag reads a message of that time. Throws `Error`, and what
-  /// rosbag throws of what cannot be unpacked.
+  /// each once: to be called before rosbag reads a message of that time.
   void check_until(std::uint64_t nanoseconds);
 
  private:

@@ -114,28 +114,18 @@ class RosBagSource : public BagSource {
     }
   }
 
-  /// What is wrong with the bag's records, as a line that names the file.
-  template <class Work>
-  void checked(const Work& work) const {
-    try {
-      work();
-    } catch (const Error& error) {
-      fail(fmt::format("is cut off or damaged ({})", error.what()));
-    }
-  }
-
   /// The message, null where it is of another type; as rosbag believes what it is told, only after
   /// a look at the chunk.
   template <class Message>
   boost::shared_ptr<Message> message_of(const rosbag::MessageInstance& instance) const {
-    checked([&] { records_->check_until(instance.getTime().toNSec()); });
+    records_->check_until(instance.getTime().toNSec());
     return instance.instantiate<Message>();
   }
 
   void open(const BagOptions& options) {
     if (!std::filesystem::exists(file_)) fail("no such file; check the path");
     if (!is_bag(file_)) fail("is no ROS 1 bag (those of ROS 2 are not read)");
-    checked([&] { records_ = std::make_unique<BagRecords>(file_); });
+    records_ = std::make_unique<BagRecords>(file_);
     bag_.open(file_, rosbag::bagmode::Read);
     try {
       topics_ = choose_topics(topics_of_bag(), options.topics);

@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-
-#include "dkp_slam/error.h"
+#include <rosbag/exceptions.h>
 
 namespace dkp_slam::ros1 {
 namespace {
@@ -28,7 +27,7 @@ bool is_fields(std::string_view text) {
 }  // namespace
 
 void fail_record(std::uint64_t at) {
-  throw Error(fmt::format("the record at byte {} is not whole", at));
+  throw rosbag::BagFormatException(fmt::format("the record at byte {} is not whole", at));
 }
 
 std::string_view Record::field(std::string_view name) const {

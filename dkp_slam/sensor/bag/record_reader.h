@@ -17,7 +17,7 @@ namespace dkp_slam::ros1 {
 constexpr std::uint8_t op_message = 2, op_index = 4, op_chunk = 5, op_chunk_info = 6,
                        op_connection = 7;
 
-/// Throws the `Error` of a record that begins at this byte.
+/// Throws the `rosbag::BagFormatException` of a record that begins at this byte.
 [[noreturn]] void fail_record(std::uint64_t at);
 
 /// The number at a place of a text that holds it.
@@ -44,8 +44,8 @@ struct Record {
   std::optional<std::uint8_t> op() const { return number_of<std::uint8_t>(field("op")); }
 };
 
-/// Records that follow one another, in a file or in memory. What is called throws `Error` where
-/// they do not lie where their lengths say.
+/// Records that follow one another, in a file or in memory. What is called throws
+/// `rosbag::BagFormatException` where they do not lie where their lengths say.
 class RecordReader {
  public:
   /// Copies `size` bytes from a place; false where they are not.
