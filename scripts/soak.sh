@@ -3,12 +3,13 @@
 # and beside it run after run with faults that a seed chooses. Ends with exit code 1 when anything
 # crashes, hangs, leaves a map that cannot be read, loses its way or grows.
 #   scripts/soak.sh TIME [SEED]    TIME: 3m (the short form), 4h; SEED: 1
+# Ctrl-C, or SIGTERM, ends it early with what is known by then.
 # DKP_SLAM_DATA: a folder with real sequences (fr1_xyz, ...), which are played, too, in half an hour and more.
 # Results are in build/soak; the sequences that it generates stay there for the next time.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage() { sed -n '2,8s/^# \?//p' "scripts/soak.sh" >&2; exit 2; }
+usage() { sed -n '2,9s/^# \?//p' "scripts/soak.sh" >&2; exit 2; }
 [[ ${1:-} =~ ^([0-9]+)([smh])$ ]] || usage
 seconds=${BASH_REMATCH[1]}
 case "${BASH_REMATCH[2]}" in m) seconds=$((seconds * 60)) ;; h) seconds=$((seconds * 3600)) ;; esac
@@ -26,6 +27,9 @@ mkdir -p "$folder"
 cd "$folder"
 rm -rf runs && mkdir runs
 end=$((SECONDS + seconds))
+stopped=
+stopping=
+trap 'stopped=" (stopped early)"; stopping=1; end=0' INT TERM
 
 # Seconds: whatever takes longer hangs. Longer by as much as others crowd the cores.
 readonly patience=120
@@ -35,6 +39,8 @@ patience_now() {
 declare -A done_of=()
 problems=0
 problem() {
+  # Ctrl-C reaches the step that goes on, too: what becomes of it says nothing.
+  if [ -n "$stopping" ]; then return; fi
   problems=$((problems + 1))
   echo "soak.sh: PROBLEM: $1" >&2
 }
@@ -98,7 +104,7 @@ stop_after() {  # SIGNAL: of a run that goes on with the map, at a moment within
   local code=0 id
   "$program" "${run[@]}" --map runs/room.map >runs/last.log 2>&1 &
   id=$!
-  sleep "$((RANDOM % 2)).$((RANDOM % 10))"
+  sleep "$((RANDOM % 2)).$((RANDOM % 10))" || true
   kill -s "$1" "$id" 2>/dev/null || true
   { wait "$id"; } 2>/dev/null || code=$?
   done_of[$1]=$((${done_of[$1]:-0} + 1))
@@ -146,8 +152,9 @@ while [ "$SECONDS" -lt "$end" ]; do
          --map runs/room.map ;;
   esac
 done
+stopping=
 
-if ! kill -0 "$long" 2>/dev/null; then problem "the long run ended early: $(tail -n 1 runs/long.log)"; fi
+if [ -z "$stopped" ] && ! kill -0 "$long" 2>/dev/null; then problem "the long run ended early: $(tail -n 1 runs/long.log)"; fi
 kill -s INT "$long" 2>/dev/null || true
 for ((i = 0; i < patience && i >= 0; ++i)); do
   if ! kill -0 "$long" 2>/dev/null; then break; fi
@@ -174,5 +181,5 @@ TEXT
 for what in "${!done_of[@]}"; do printf '%-14s %6d\n' "$what" "${done_of[$what]}"; done | sort
 echo "long run: $frames frames, $lost lost, memory $before MB in the last quarter but one, $last MB in the last"
 if python3 -c "import sys; sys.exit(not $last > 1.05 * $before + 5)"; then problem "memory grows"; fi
-echo "soak.sh: $problems problems in ${1}, seed $seed"
+echo "soak.sh: $problems problems in $((SECONDS / 60)) minutes$stopped, seed $seed"
 [ "$problems" -eq 0 ]
