@@ -84,16 +84,32 @@ std::string read_text(const fs::path& file) {
   return text;
 }
 
-/// The value as YAML reads it back: texts in quotes, for they may look like anything.
-std::string scalar(const Option& option) {
-  std::string text = option.text();
-  if (!std::holds_alternative<std::string*>(option.value) &&
-      !std::holds_alternative<fs::path*>(option.value)) {
-    return text;
+bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
+
+/// In quotes, for a text may look like anything; in double ones where only escapes hold it.
+std::string quoted(const std::string& text) {
+  if (std::any_of(text.begin(), text.end(), is_control)) {
+    std::string result = "\"";
+    for (const char c : text) {
+      if (is_control(c)) {
+        result += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+      } else {
+        if (c == '"' || c == '\\') result += '\\';
+        result += c;
+      }
+    }
+    return result + '"';
   }
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("''") : std::string(1, c);
-  return quoted + "'";
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
+  return result + "'";
+}
+
+/// The value as YAML reads it back.
+std::string scalar(const Option& option) {
+  const bool is_text = std::holds_alternative<std::string*>(option.value) ||
+                       std::holds_alternative<fs::path*>(option.value);
+  return is_text ? quoted(option.text()) : option.text();
 }
 
 std::string comment(const Option& option) {

@@ -74,6 +74,16 @@ class OptionFile : public testing::Test {
   const fs::path file_;
 };
 
+TEST_F(OptionFile, WritesEveryTextSoThatItIsReadBack) {
+  for (const std::string text :
+       {"", "it's", "say \"a\\b\"", "two\nlines\r\n", "\ttab ", "a\"b\\\x7f\x01", "# none",
+        "\xff\xfe no UTF-8", "\xc3\xa4\n\xff"}) {
+    Whole whole;
+    whole.file = text;
+    EXPECT_EQ(read(option_file_text(OptionList::of(whole))).file, text);
+  }
+}
+
 TEST_F(OptionFile, TextHasUnitMeaningAndBoundsOfEach) {
   Whole whole;
   whole.file = "it's here: #1";
