@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/report/test_markup.h"
 #include "dkp_slam/export/trajectory.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam {
 namespace {
@@ -99,9 +99,8 @@ TEST_F(EvalCommand, WritesJsonAndPlotsBesideTheTable) {
   png.read(magic.data(), 4);
   EXPECT_EQ(magic, "\x89PNG");
   EXPECT_THAT(run({"--html", file("e.html")}), HasSubstr("ATE"));
-  std::ifstream in(file("e.html"));
-  const std::string page((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  const auto charts = dkp_slam::testing::charts_of(page);
+  const std::string page = testing::content(file("e.html"));
+  const auto charts = testing::charts_of(page);
   ASSERT_EQ(charts.size(), 3U);
   EXPECT_EQ(charts[0].at("series").at(1).at("x").size(), 90U);
 }

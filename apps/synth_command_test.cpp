@@ -20,6 +20,7 @@
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/synth/folder/sequence_writer.h"
 #include "dkp_slam/synth/source.h"
+#include "tests/support/file_text.h"
 #include "tests/support/image_files.h"
 
 namespace dkp_slam::apps {
@@ -40,10 +41,6 @@ class SynthCommandTest : public ::testing::Test {
     CLI::App program;
     add_synth_command(program);
     program.parse("synth " + arguments + " --out \"" + out_.string() + "\"", false);
-  }
-  static std::string content(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
   }
 
   fs::path out_;
@@ -114,7 +111,7 @@ TEST_F(SynthCommandTest, SameSeedSameBytesOfEveryFile) {
     std::map<std::string, std::string> files;
     for (const auto& file : fs::recursive_directory_iterator(out_)) {
       if (file.is_regular_file()) {
-        files[fs::relative(file.path(), out_)] = content(file.path());
+        files[fs::relative(file.path(), out_)] = testing::content(file.path());
       }
     }
     return files;
@@ -153,7 +150,7 @@ TEST_F(SynthCommandTest, ReplacesItsOwnFolderButNoOther) {
   fs::create_directories(out_ / "rgb");
   std::ofstream(out_ / "rgb/mine.png") << "precious";
   EXPECT_THROW(synth("static_room --frames 1"), Error);
-  EXPECT_EQ(content(out_ / "rgb/mine.png"), "precious");
+  EXPECT_EQ(testing::content(out_ / "rgb/mine.png"), "precious");
   EXPECT_FALSE(fs::exists(out_ / "synth.json"));
   synth("static_room --frames 2 --force");
   EXPECT_FALSE(fs::exists(out_ / "rgb/mine.png"));

@@ -4,8 +4,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -16,12 +14,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace dkp_slam::testing {
+#include "tests/support/file_text.h"
 
-inline std::string content(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+namespace dkp_slam::testing {
 
 /// The built program as a process of its own, its streams going to files in `folder`.
 class Program {

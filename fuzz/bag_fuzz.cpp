@@ -1,13 +1,11 @@
 // ROS 1 bags: the records, which rosbag itself believes, and the images of the messages.
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-
-#include <fstream>
 
 #include "dkp_slam/sensor/bag/bag_source.h"
 #include "dkp_slam/sensor/bag/test_bag.h"
 #include "fuzz/target.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam::fuzz {
 namespace {
@@ -25,8 +23,7 @@ std::string good_bag() {
       bag.image("/camera/depth_registered/image", stamp + 0.005, depth, "16UC1");
     }
   }
-  std::ifstream written(file.path(), std::ios::binary);
-  return {std::istreambuf_iterator<char>(written), std::istreambuf_iterator<char>()};
+  return testing::content(file.path());
 }
 
 /// RealSense's, whose depth is registered by what the bag says of the two cameras.
@@ -47,8 +44,7 @@ std::string good_recording() {
       bag.image(device + "1/Color" + data, 1.0 + 0.03 * i, colour, "rgb8");
     }
   }
-  std::ifstream written(file.path(), std::ios::binary);
-  return {std::istreambuf_iterator<char>(written), std::istreambuf_iterator<char>()};
+  return testing::content(file.path());
 }
 
 /// Most of a bag no mutation has to invent: the input says what to change in a good one, as

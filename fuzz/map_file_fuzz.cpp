@@ -1,7 +1,6 @@
 // Map files byte by byte, with a log beside them or none. Reading changes neither.
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 #include "dkp_slam/map_file/map_file.h"
 #include "dkp_slam/map_file/map_writer.h"
 #include "fuzz/target.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam::fuzz {
 namespace {
@@ -32,11 +32,6 @@ class Folder {
   fs::path path_;
 };
 
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 void write(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
@@ -52,7 +47,7 @@ Written killed_in_mid_run(const Folder& folder) {
   writer.update(grown.map);
   grown.grow_to(4);
   writer.update(grown.map);
-  return {content(folder.file()), content(folder.log())};
+  return {testing::content(folder.file()), testing::content(folder.log())};
 }
 
 /// Most of a file is pages that no mutation has to invent: the input says what to change in a good
@@ -89,8 +84,8 @@ void run(Bytes bytes) {
     const StoredMap stored = read_map(folder.file());
     require(!parts_of(stored.map).check(), "a map that was read and is none");
   });
-  require(content(folder.file()) == now.file, "reading changed the file");
-  require(content(folder.log()) == now.log, "reading changed the log");
+  require(testing::content(folder.file()) == now.file, "reading changed the file");
+  require(testing::content(folder.log()) == now.log, "reading changed the log");
 }
 
 std::vector<std::string> seeds() {

@@ -5,9 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <thread>
@@ -29,8 +27,11 @@
 
 #include "dkp_slam/map_file/test_folder.h"
 #include "ros/messages.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam::ros1::testing {
+
+using dkp_slam::testing::content;
 
 /// A process that ends with it.
 class Started {
@@ -68,11 +69,6 @@ inline bool wait_until(const std::function<bool()>& condition) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
   }
   return condition();
-}
-
-inline std::string content(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// A TCP port that nobody has: below those that the kernel gives to whoever connects (from 32768

@@ -3,9 +3,7 @@
 #include <cctype>
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -16,9 +14,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/file_text.h"
+
 namespace {
 
 namespace fs = std::filesystem;
+using dkp_slam::testing::content;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -31,11 +32,6 @@ using Problems = std::vector<std::string>;
 /// Text by path, relative to the repository.
 using Tree = std::map<std::string, std::string>;
 using Graph = std::map<std::string, std::set<std::string>>;
-
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 bool ends_with_any(const std::string& text, const std::vector<std::string>& endings) {
   return std::any_of(endings.begin(), endings.end(),
@@ -62,7 +58,7 @@ Tree sources_under(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) {
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       const std::string path = fs::relative(entry.path(), root).generic_string();
-      if (is_source(path) || name_of(path) == "CMakeLists.txt") tree[path] = read(entry.path());
+      if (is_source(path) || name_of(path) == "CMakeLists.txt") tree[path] = content(entry.path());
     }
   }
   return tree;
@@ -215,7 +211,7 @@ Problems dead_paths(const std::string& page) {
   static const std::regex path(
       R"(`((?:apps|bench|cmake|config|dkp_slam|docs|examples|python|scripts|tests|viewer)/[A-Za-z0-9_./-]*)`)");
   Problems problems;
-  const std::string text = read(root / page);
+  const std::string text = content(root / page);
   if (text.empty()) problems.push_back(page + " is not there");
   for (std::sregex_iterator i(text.begin(), text.end(), path), end; i != end; ++i) {
     if (!fs::exists(root / (*i)[1].str()))
@@ -225,7 +221,7 @@ Problems dead_paths(const std::string& page) {
 }
 
 std::vector<std::string> page_folders() {
-  return folders_of(read(fs::path(DKP_SLAM_SOURCE_DIR) / "docs/architecture.md"));
+  return folders_of(content(fs::path(DKP_SLAM_SOURCE_DIR) / "docs/architecture.md"));
 }
 
 TEST(Architecture, IncludesGoDownTheListOfFoldersOnly) {

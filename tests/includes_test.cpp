@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
@@ -14,6 +13,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/support/file_text.h"
 
 namespace {
 
@@ -80,9 +81,8 @@ Tree sources() {
       const std::string name = entry->path().filename().string();
       if (name == "node_modules" || name == "build") entry.disable_recursion_pending();
       if (!name.ends_with(".cpp") && !name.ends_with(".h")) continue;
-      std::ifstream file(entry->path(), std::ios::binary);
-      tree[fs::relative(entry->path(), root).generic_string()] = {
-          std::istreambuf_iterator<char>(file), {}};
+      tree[fs::relative(entry->path(), root).generic_string()] =
+          dkp_slam::testing::content(entry->path());
     }
   }
   return tree;

@@ -3,9 +3,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -23,6 +21,7 @@
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
 #include "tests/support/changed_source.h"
+#include "tests/support/file_text.h"
 #include "tests/support/recording.h"
 #include "tests/support/run.h"
 
@@ -131,8 +130,7 @@ std::string bytes_of(const Trajectory& path) {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
   const fs::path file = fs::path(::testing::TempDir()) / (std::string(info->name()) + ".txt");
   write_trajectory(file, path);
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  std::string bytes = testing::content(file);
   fs::remove(file);
   return bytes;
 }

@@ -9,11 +9,13 @@
 #include "dkp_slam/evaluation/measure/child_process.h"
 #include "dkp_slam/evaluation/measure/fingerprint.h"
 #include "dkp_slam/evaluation/measure/machine.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam::bench {
 namespace {
 
 namespace fs = std::filesystem;
+using dkp_slam::testing::content;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -22,11 +24,6 @@ bool go_on() { return false; }
 void write(const fs::path& path, const std::string& text) {
   fs::create_directories(path.parent_path());
   std::ofstream(path) << text;
-}
-
-std::string read(const fs::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// A folder with a sequence "fr1_line" and, as the program, a shell script that writes what the
@@ -78,7 +75,7 @@ class MeasureRun : public ::testing::Test {
 TEST_F(MeasureRun, FiguresComeFromTheOutputOfTheRun) {
   const RunKey key{"fr1_line", "dkp+", 7};
   ASSERT_TRUE(measure_run(options_, key, go_on));  // no run of seed 1 is there
-  const std::string called = read(folder_ / "called");
+  const std::string called = content(folder_ / "called");
   EXPECT_THAT(called, HasSubstr("--mode dkp+ --seed 7"));
   EXPECT_THAT(called, HasSubstr("config/tum_fr1.yaml"));
   EXPECT_THAT(called, HasSubstr("--detector yolox --model"));
@@ -103,7 +100,7 @@ TEST_F(MeasureRun, OtherSeedsReplayWhatTheFirstDetected) {
   ASSERT_TRUE(measure_run(options_, first, go_on));
   fs::remove(folder_ / "called");
   ASSERT_TRUE(measure_run(options_, second, go_on));
-  const std::string called = read(folder_ / "called");
+  const std::string called = content(folder_ / "called");
   EXPECT_THAT(called, Not(HasSubstr("--detector")));
   EXPECT_THAT(called, HasSubstr("--seed 2"));
   EXPECT_THAT(called, HasSubstr("--detections " +
@@ -131,7 +128,7 @@ TEST_F(MeasureRun, AReplayThatGoesAnotherWayIsAProblem) {
 
 TEST_F(MeasureRun, ModeMasksIsGivenTheTrueMasks) {
   ASSERT_TRUE(measure_run(options_, {"fr1_line", "masks", 1}, go_on));
-  const std::string called = read(folder_ / "called");
+  const std::string called = content(folder_ / "called");
   const std::string masks = "--masks " + (options_.data / "fr1_line" / "mask").string();
   // The run, and its replay one frame at a time.
   EXPECT_NE(called.find(masks), called.rfind(masks));
@@ -167,7 +164,7 @@ TEST_F(MeasureRun, AnInterruptedRunDoesNotCount) {
   int polls = 0;
   EXPECT_FALSE(measure_run(options_, key, [&] { return ++polls > 100; }));
   EXPECT_FALSE(is_finished(options_, key));
-  EXPECT_THAT(read(run_folder(options_, key) / "log.txt"), HasSubstr("saved"));
+  EXPECT_THAT(content(run_folder(options_, key) / "log.txt"), HasSubstr("saved"));
 }
 
 TEST_F(MeasureRun, DamagedOutputIsAProblemNotAnError) {

@@ -1,8 +1,6 @@
 #include "dkp_slam/dense/mesh_files.h"
 
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -11,6 +9,7 @@
 
 #include "dkp_slam/error.h"
 #include "dkp_slam/map_file/test_folder.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam {
 namespace {
@@ -26,13 +25,7 @@ SurfaceMesh one_triangle() {
   return mesh;
 }
 
-class MeshFiles : public testing::FolderTest {
- protected:
-  static std::string content(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-};
+using MeshFiles = testing::FolderTest;
 
 template <class Value>
 Value at(const std::string& bytes, std::size_t offset) {
@@ -44,7 +37,7 @@ Value at(const std::string& bytes, std::size_t offset) {
 TEST_F(MeshFiles, PlyHoldsVerticesAndWhereWantedFaces) {
   const auto file = folder_ / "m.ply";
   write_mesh_ply(file, one_triangle(), true);
-  const std::string text = content(file);
+  const std::string text = testing::content(file);
   EXPECT_THAT(text, ::testing::StartsWith("ply\nformat binary_little_endian 1.0\n"));
   EXPECT_THAT(text, HasSubstr("element vertex 3\n"));
   EXPECT_THAT(text, HasSubstr("element face 1\n"));
@@ -56,14 +49,15 @@ TEST_F(MeshFiles, PlyHoldsVerticesAndWhereWantedFaces) {
   EXPECT_EQ(at<std::uint8_t>(text, begin + 3 * 27), 3);
   EXPECT_EQ(at<int>(text, begin + 3 * 27 + 5), 2);
   write_mesh_ply(file, one_triangle(), false);
-  EXPECT_EQ(content(file).size(), content(file).find("end_header\n") + 11 + 3 * 27);
-  EXPECT_THAT(content(file), ::testing::Not(HasSubstr("face")));
+  EXPECT_EQ(testing::content(file).size(),
+            testing::content(file).find("end_header\n") + 11 + 3 * 27);
+  EXPECT_THAT(testing::content(file), ::testing::Not(HasSubstr("face")));
 }
 
 TEST_F(MeshFiles, GlbIsInGltfsAxes) {
   const auto file = folder_ / "m.glb";
   write_mesh_glb(file, one_triangle());
-  const std::string bytes = content(file);
+  const std::string bytes = testing::content(file);
   EXPECT_EQ(bytes.substr(0, 4), "glTF");
   EXPECT_EQ(at<std::uint32_t>(bytes, 4), 2U);
   EXPECT_EQ(at<std::uint32_t>(bytes, 8), bytes.size());
@@ -89,9 +83,9 @@ TEST_F(MeshFiles, GlbIsInGltfsAxes) {
 TEST_F(MeshFiles, AnEmptyMeshIsRefusedAndTheOldFileStays) {
   const auto file = folder_ / "m.ply";
   write_mesh_ply(file, one_triangle(), true);
-  const std::string before = content(file);
+  const std::string before = testing::content(file);
   EXPECT_THROW(write_mesh_ply(file, {}, true), Error);
-  EXPECT_EQ(content(file), before);
+  EXPECT_EQ(testing::content(file), before);
   EXPECT_THROW(write_mesh_glb(folder_ / "m.glb", {}), Error);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "m.glb"));
 }

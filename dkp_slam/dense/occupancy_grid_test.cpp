@@ -1,7 +1,5 @@
 #include "dkp_slam/dense/occupancy_grid.h"
 
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -11,6 +9,7 @@
 #include "dkp_slam/dense/test_views.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/map_file/test_folder.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam {
 namespace {
@@ -68,10 +67,7 @@ TEST(OccupancyGrid, TellsOccupiedFreeAndUnknown) {
 
 class GridFiles : public testing::FolderTest {
  protected:
-  std::string content(const std::string& name) const {
-    std::ifstream in(folder_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
+  std::string content(const std::string& name) const { return testing::content(folder_ / name); }
 };
 
 TEST_F(GridFiles, AreWhatMapServerReads) {

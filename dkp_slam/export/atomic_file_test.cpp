@@ -1,7 +1,6 @@
 #include "dkp_slam/export/atomic_file.h"
 
 #include <csignal>
-#include <fstream>
 #include <iterator>
 #include <new>
 #include <ostream>
@@ -13,28 +12,25 @@
 #include <unistd.h>
 
 #include "dkp_slam/error.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class AtomicFile : public testing::Test {
+class AtomicFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
+    folder_ = fs::path(::testing::TempDir()) /
               (std::string("atomic_file_") +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  static std::string content(const fs::path& path) {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
   std::size_t files() const {
     return static_cast<std::size_t>(
         std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
@@ -57,7 +53,7 @@ TEST_F(AtomicFile, ReplacesTheOldContentAndLeavesNoTemporaryFile) {
   const fs::path path = folder_ / "a.txt";
   write_file_atomically(path, "a longer first content");
   write_file_atomically(path, "second");
-  EXPECT_EQ(content(path), "second");
+  EXPECT_EQ(testing::content(path), "second");
   EXPECT_EQ(files(), 1U);
 }
 
@@ -66,7 +62,7 @@ TEST_F(AtomicFile, WhateverKeepsItFromBeingWrittenLeavesNoTemporaryFile) {
   write_file_atomically(path, "first");
   EXPECT_THROW(write_file_atomically(path, [](std::ostream&) { throw std::bad_alloc(); }),
                std::bad_alloc);
-  EXPECT_EQ(content(path), "first");
+  EXPECT_EQ(testing::content(path), "first");
   EXPECT_EQ(files(), 1U);
 }
 
@@ -88,7 +84,7 @@ TEST_F(AtomicFile, AKillWhileItIsWrittenLeavesNothing) {
     EXPECT_TRUE(WIFSIGNALED(status));
     EXPECT_EQ(files(), *before == '\0' ? 0U : 1U);
     if (*before != '\0') {
-      EXPECT_EQ(content(path), before);
+      EXPECT_EQ(testing::content(path), before);
     }
   }
 }
@@ -104,23 +100,23 @@ TEST_F(AtomicFile, AGrowingFileShowsOnceItIsSaved) {
     if (i != 9999) continue;
     EXPECT_EQ(files(), 0U);
     file.save();
-    EXPECT_EQ(content(path), all);
+    EXPECT_EQ(testing::content(path), all);
     int lines = 0;
     file.for_each_line(
         [&](std::string_view seen) { EXPECT_EQ(seen, "line " + std::to_string(lines++)); });
     EXPECT_EQ(lines, 10000);
   }
   file.save();
-  EXPECT_EQ(content(path), all);
+  EXPECT_EQ(testing::content(path), all);
   EXPECT_EQ(files(), 1U);
   GrowingFile(path).save();
-  EXPECT_EQ(content(path), "");
+  EXPECT_EQ(testing::content(path), "");
 }
 
 TEST_F(AtomicFile, AGrowingFileThatIsNotSavedLeavesNothing) {
   write_file_atomically(folder_ / "log.txt", "an earlier one");
   { GrowingFile(folder_ / "log.txt").append("lost"); }
-  EXPECT_EQ(content(folder_ / "log.txt"), "an earlier one");
+  EXPECT_EQ(testing::content(folder_ / "log.txt"), "an earlier one");
   EXPECT_EQ(files(), 1U);
   EXPECT_THAT(message_of([&] { GrowingFile(folder_ / "none/log.txt"); }),
               HasSubstr("none/log.txt"));
@@ -131,7 +127,7 @@ TEST_F(AtomicFile, KeepsASymbolicLinkAndReplacesItsTarget) {
   fs::create_symlink("target", folder_ / "link");
   write_file_atomically(folder_ / "link", "new");
   EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
-  EXPECT_EQ(content(folder_ / "target"), "new");
+  EXPECT_EQ(testing::content(folder_ / "target"), "new");
 }
 
 TEST_F(AtomicFile, WritesIntoADeviceWithoutReplacingIt) {
@@ -143,7 +139,7 @@ TEST_F(AtomicFile, WritesIntoADeviceWithoutReplacingIt) {
 TEST_F(AtomicFile, NamesThePlaceAndTheReasonWhenItCannotWrite) {
   const fs::path lost = folder_ / "no" / "a.txt";
   EXPECT_THAT(message_of([&] { check_writable(lost); }),
-              testing::AllOf(HasSubstr(lost.string()), HasSubstr("does not exist")));
+              ::testing::AllOf(HasSubstr(lost.string()), HasSubstr("does not exist")));
   EXPECT_THAT(message_of([&] { write_file_atomically(lost, "x"); }), HasSubstr("does not exist"));
   EXPECT_THAT(message_of([&] { check_writable(folder_); }), HasSubstr("is a folder"));
 }
@@ -154,7 +150,7 @@ TEST_F(AtomicFile, ChecksWithoutLeavingOrTouchingAnything) {
   EXPECT_EQ(files(), 0U);
   write_file_atomically(path, "kept");
   check_writable(path);
-  EXPECT_EQ(content(path), "kept");
+  EXPECT_EQ(testing::content(path), "kept");
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <string>
 
@@ -10,29 +9,27 @@
 #include <gtest/gtest.h>
 
 #include "dkp_slam/error.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
-class TrajectoryFile : public testing::Test {
+class TrajectoryFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    path_ = fs::path(testing::TempDir()) /
+    path_ = fs::path(::testing::TempDir()) /
             (std::string("trajectory_") +
-             testing::UnitTest::GetInstance()->current_test_info()->name() + ".txt");
+             ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".txt");
     fs::remove(path_);
   }
   void TearDown() override { fs::remove(path_); }
 
   void write(const std::string& text) const { std::ofstream(path_, std::ios::binary) << text; }
-  std::string content() const {
-    std::ifstream stream(path_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
+  std::string content() const { return testing::content(path_); }
   /// Message of the error that reading this text gives.
   std::string error_of(const std::string& text) const {
     write(text);
@@ -129,7 +126,7 @@ TEST_F(TrajectoryFile, EmptyMissingAndFolderAreErrors) {
   EXPECT_THAT(error_of("# only a comment\n"), HasSubstr("no pose"));
   fs::remove(path_);
   EXPECT_THROW(read_trajectory(path_), Error);
-  EXPECT_THROW(read_trajectory(testing::TempDir()), Error);
+  EXPECT_THROW(read_trajectory(::testing::TempDir()), Error);
 }
 
 TEST_F(TrajectoryFile, APoseThatIsNotFiniteLeavesTheOldFile) {

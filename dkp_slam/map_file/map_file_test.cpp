@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <span>
@@ -18,6 +17,7 @@
 #include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/map_file/sqlite.h"
 #include "dkp_slam/map_file/test_folder.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam {
 namespace {
@@ -42,8 +42,7 @@ class MapFile : public testing::FolderTest {
     std::map<std::string, std::string> all;
     for (const auto& entry : fs::directory_iterator(folder_)) {
       if (entry.is_directory()) continue;
-      std::ifstream stream(entry.path(), std::ios::binary);
-      all[entry.path().filename()] = {std::istreambuf_iterator<char>(stream), {}};
+      all[entry.path().filename()] = testing::content(entry.path());
     }
     return all;
   }

@@ -2,7 +2,6 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -20,12 +19,14 @@
 #include "dkp_slam/map/test_map.h"
 #include "dkp_slam/map_file/map_writer.h"
 #include "dkp_slam/map_file/sqlite.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
+using testing::content;
 using testing::difference;
 using testing::GrowingMap;
 using ::testing::HasSubstr;
@@ -65,10 +66,7 @@ class Child {
     ::waitpid(id_, &status, 0);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
   }
-  std::string error() const {
-    std::ifstream stream(error_);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
+  std::string error() const { return content(error_); }
   /// Steps that were done at that moment.
   int steps_at(Clock::time_point moment) const {
     std::ifstream stream(log_);
@@ -98,10 +96,6 @@ class Killing : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  static std::string content(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
   /// The file holds the whole map of one moment, and reading leaves it and its log as they are.
   /// Returns the map's steps, 0 where there is no file yet.
   static int expect_sound(const fs::path& file) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <random>
 #include <vector>
 
@@ -13,21 +12,18 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/map_file/test_folder.h"
 #include "dkp_slam/sensor/bag/test_bag.h"
+#include "tests/support/file_text.h"
 
 namespace dkp_slam {
 namespace {
 
 namespace fs = std::filesystem;
+using dkp_slam::testing::content;
 using dkp_slam::testing::PlainBag;
 using dkp_slam::testing::TestBag;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-
-std::string content_of(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 class BagSourceTest : public testing::FolderTest {
  protected:
@@ -204,7 +200,7 @@ TEST_F(BagSourceTest, AFieldThatGoesOnBehindItsHeaderIsDamage) {
     bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
     bag.image("/depth/image", 1.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
   }
-  const std::string whole = content_of(file());
+  const std::string whole = content(file());
   // Of the bag, of a connection and of what it holds; no more than rosbag itself lets pass.
   for (const std::string field : {"op=", "index_pos=", "conn=", "topic=", "type=", "md5sum="}) {
     std::string bytes = whole;
@@ -252,7 +248,7 @@ TEST_F(BagSourceTest, WhatACompressedChunkHoldsIsLookedAtBeforeItIsRead) {
     bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
     bag.image("/depth/image", 1.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
   }
-  const PlainBag good(content_of(file()));
+  const PlainBag good(content(file()));
   const auto write = [this](const std::string& bytes) {
     std::ofstream(file(), std::ios::binary | std::ios::trunc) << bytes;
   };
@@ -290,7 +286,7 @@ TEST_F(BagSourceTest, PlacesThatAreNoRecordsAreDamage) {
     bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
     bag.image("/depth/image", 1.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
   }
-  const std::string whole = content_of(file());
+  const std::string whole = content(file());
   for (const std::string field : {"index_pos=", "chunk_pos="}) {
     std::string bytes = whole;
     char& lowest = bytes[bytes.find(field) + field.size()];
@@ -309,7 +305,7 @@ TEST_F(BagSourceTest, AnArrayThatIsLongerThanAnyImageIsNotMade) {
     bag.image("/rgb/image", 1.0, TestBag::pattern(), "bgr8");
     bag.image("/depth/image", 1.0, cv::Mat(4, 6, CV_16UC1, cv::Scalar(1500)), "16UC1");
   }
-  std::string bytes = content_of(file());
+  std::string bytes = content(file());
   // With its length, as the message has it; how many distortion coefficients there are follows.
   const std::string model("\x09\0\0\0plumb_bob", 13);
   ASSERT_NE(bytes.find(model), bytes.npos);
@@ -331,7 +327,7 @@ TEST_F(BagSourceTest, WhateverBytesAreWrongItIsOneLineOrFrames) {
                 "16UC1");
     }
   }
-  const std::string whole = content_of(file());
+  const std::string whole = content(file());
   const auto read_all = [this] {
     try {
       const auto bag = open_bag(file());
