@@ -33,7 +33,6 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/absolute_error.h"
 #include "dkp_slam/export/trajectory.h"
-#include "dkp_slam/sensor/kinect/kinect_source.h"
 #include "dkp_slam/system/file_observer.h"
 #include "dkp_slam/system/map_file/run_map.h"
 #include "dkp_slam/system/playback.h"
@@ -178,63 +177,6 @@ std::optional<ErrorStatistics> error_against_truth(const RunOptions& options,
   }
 }
 
-/// Throws CLI::ValidationError for options that do not go together.
-void check_together(const RunOptions& options, const SlamConfig& config) {
-  if (config.realtime && options.one_at_a_time) {
-    throw CLI::ValidationError("--one-at-a-time", "not with realtime");
-  }
-  if (!config.realtime && options.rate) {
-    throw CLI::ValidationError("--rate", "needs --realtime: without it nothing is played by time");
-  }
-  if (options.rate && !(*options.rate > 0.0 && *options.rate <= 100.0)) {
-    throw CLI::ValidationError("--rate", "must be above 0 and at most 100");
-  }
-  if (config.localize_only && options.localize.empty()) {
-    throw CLI::ValidationError("localize_only", "needs a map; give --localize FILE instead");
-  }
-  const DynamicsMode mode = config.dynamics.mode;
-  if (options.masks.empty()) {
-    if (mode == DynamicsMode::masks && !is_stream(options.sequence)) {
-      throw CLI::ValidationError("mode masks", "needs --masks DIR");
-    }
-  } else if (mode != DynamicsMode::masks && mode != DynamicsOptions().mode) {
-    throw CLI::ValidationError(
-        "--masks", fmt::format("is a mode of its own, masks, not {}", mode_info(mode).name));
-  }
-}
-
-/// Throws CLI::ValidationError for options that the source does not go with.
-void check_source(const RunOptions& options, const SlamConfig& config) {
-  if (options.sequence.empty()) {
-    throw CLI::ValidationError("SEQUENCE", "is required, or --source");
-  }
-  if (options.offline && config.realtime) {
-    throw CLI::ValidationError("--offline", "not with realtime");
-  }
-  if (options.offline && is_kinect(options.sequence)) {
-    throw CLI::ValidationError("--offline", "not with a Kinect, which waits for nobody");
-  }
-  if (options.rate && is_live(options.sequence)) {
-    throw CLI::ValidationError("--rate", "not with a camera, which says itself how fast it goes");
-  }
-  const bool stream = is_stream(options.sequence) || is_kinect(options.sequence);
-  if (options.preload && (stream || options.view.wanted)) {
-    throw CLI::ValidationError("--preload", "needs a folder, and no --view, which may pause it");
-  }
-  if (!options.masks.empty() && is_kinect(options.sequence)) {
-    throw CLI::ValidationError("--masks", "not with a Kinect, which brings none");
-  }
-  if (!options.masks.empty() && is_stream(options.sequence)) {
-    throw CLI::ValidationError("--masks",
-                               "not with a stream, which brings its masks: --mode masks");
-  }
-  if (!options.masks.empty() && is_bag_file(options.sequence)) {
-    throw CLI::ValidationError("--masks",
-                               "not with a bag, whose images have no names; `record` "
-                               "makes a folder of it");
-  }
-}
-
 SourceChoice choice_of(const RunOptions& options, const SlamConfig& config) {
   SourceChoice choice;
   choice.name = options.sequence;
@@ -268,35 +210,8 @@ std::unique_ptr<LiveView> open_view(const RunOptions& options, const SlamConfig&
   return std::make_unique<LiveView>(options.view, std::move(info), !config.realtime);
 }
 
-}  // namespace
-
-void run(RunOptions options) {
-  catch_interrupts();
-  SlamConfig config = make_config(options.config);
-  check_source(options, config);
-  // A camera waits for nobody.
-  if (is_live(options.sequence) && !options.offline) config.realtime = true;
-  check_together(options, config);
-  if (!options.masks.empty()) config.dynamics.mode = DynamicsMode::masks;
-  config.localize_only = !options.localize.empty();
-  // Everything that can be wrong is found before the first frame; the folder comes last, so that
-  // other mistakes leave none behind.
-  OpenedSource opened = open_source(choice_of(options, config));
-  options.camera = opened.camera_name;
-  config.camera = opened.camera;
-  auto detector = choose_detector(options, config);
-  options.dense.check();
-  const auto dense =
-      options.dense.any() ? std::make_unique<RunDense>(options.dense, config) : nullptr;
-  RunObservers observers;
-  observers.map = std::make_shared<RunMap>(options.map, options.localize, config);
-  const std::string detector_name = detector ? detector->name() : "none";
-  const auto view = open_view(options, config, *opened.source, detector_name);
-  if (view) opened.source = view->gated(std::move(opened.source));
-  if (options.preload) {
-    opened.source = std::make_unique<PreloadedSource>(std::move(opened.source));
-  }
-  prepare_run_folder(options.out);
+/// Those that write into the run's folder, which is there by now.
+void open_writers(const RunOptions& options, RunLog& log, RunObservers& observers) {
   if (options.overlay) {
     observers.overlay = std::make_shared<OverlayWriter>(options.out, options.overlay_every);
   }
@@ -305,18 +220,76 @@ void run(RunOptions options) {
   } else {
     remove_masks(options.out);
   }
-
-  std::optional<TraceRecording> trace;  // outlives the threads that it records
-  if (!options.profile.empty()) trace.emplace(options.profile);
-  RunLog log(options.out);
   observers.detections = std::make_shared<DetectionLog>(log);
   observers.path = std::make_shared<LivePath>(options.out);
+}
+
+/// What is known of a run before its first frame.
+RunResult begin_result(const RunOptions& options, const SlamConfig& config,
+                       const std::string& detector) {
   RunResult result;
   result.options = describe(options, config);
   SlamConfig used = config;
   used.dynamics = options_of_mode(config.dynamics);
   result.config = config_json(used);
-  result.detector = detector_name;
+  result.detector = detector;
+  return result;
+}
+
+/// What the system and its map hold when the last frame is through.
+void take_results(const RunOptions& options, const SlamConfig& config, Slam& slam, RunMap& map,
+                  RunResult& result) {
+  std::vector<Trajectory> paths = slam.trajectories();
+  if (!paths.empty()) {
+    result.trajectory = std::move(paths.front());
+    result.other_paths.assign(std::make_move_iterator(paths.begin() + 1),
+                              std::make_move_iterator(paths.end()));
+  }
+  try {
+    map.finish();
+  } catch (const Error& error) {
+    if (result.totals.failure.empty()) result.totals.failure = error.what();
+  }
+  result.keyframes = slam.keyframe_trajectory();
+  result.landmarks = slam.map().live_landmarks();
+  for (const ClosedLoop& l : slam.loops())
+    (l.joined_maps ? result.maps_joined : result.loops_closed)++;
+  result.absolute_error = error_against_truth(options, result.trajectory);
+  result.readout = check_readout(slam.map(), config.measurement, result.trajectory);
+  if (const auto warning = readout_warning(result.readout, config.camera); !warning.empty()) {
+    spdlog::warn(warning);
+  }
+}
+
+}  // namespace
+
+void run(RunOptions options) {
+  catch_interrupts();
+  SlamConfig config = config_of(options);
+  // Everything that can be wrong is found before the first frame; the folder comes last, so that
+  // other mistakes leave none behind.
+  OpenedSource opened = open_source(choice_of(options, config));
+  options.camera = opened.camera_name;
+  config.camera = opened.camera;
+  auto detector = choose_detector(options, config);
+  const std::string detector_name = detector ? detector->name() : "none";
+  options.dense.check();
+  const auto dense =
+      options.dense.any() ? std::make_unique<RunDense>(options.dense, config) : nullptr;
+  RunObservers observers;
+  observers.map = std::make_shared<RunMap>(options.map, options.localize, config);
+  const auto view = open_view(options, config, *opened.source, detector_name);
+  if (view) opened.source = view->gated(std::move(opened.source));
+  if (options.preload) {
+    opened.source = std::make_unique<PreloadedSource>(std::move(opened.source));
+  }
+  prepare_run_folder(options.out);
+
+  std::optional<TraceRecording> trace;  // outlives the threads that it records
+  if (!options.profile.empty()) trace.emplace(options.profile);
+  RunLog log(options.out);
+  open_writers(options, log, observers);
+  RunResult result = begin_result(options, config, detector_name);
   std::optional<Map> stored = observers.map->take_stored();
   const bool with_map = observers.map->begin(config);
   Slam slam(config, std::move(detector), std::move(stored));
@@ -331,26 +304,7 @@ void run(RunOptions options) {
   playback.one_at_a_time = options.one_at_a_time;
   playback.stop = &interrupt_flag();
   result.totals = play_run(*opened.source, slam, observers, log, playback);
-  std::vector<Trajectory> paths = slam.trajectories();
-  if (!paths.empty()) {
-    result.trajectory = std::move(paths.front());
-    result.other_paths.assign(std::make_move_iterator(paths.begin() + 1),
-                              std::make_move_iterator(paths.end()));
-  }
-  try {
-    observers.map->finish();
-  } catch (const Error& error) {
-    if (result.totals.failure.empty()) result.totals.failure = error.what();
-  }
-  result.keyframes = slam.keyframe_trajectory();
-  result.landmarks = slam.map().live_landmarks();
-  for (const ClosedLoop& l : slam.loops())
-    (l.joined_maps ? result.maps_joined : result.loops_closed)++;
-  result.absolute_error = error_against_truth(options, result.trajectory);
-  result.readout = check_readout(slam.map(), config.measurement, result.trajectory);
-  if (const auto warning = readout_warning(result.readout, config.camera); !warning.empty()) {
-    spdlog::warn(warning);
-  }
+  take_results(options, config, slam, *observers.map, result);
   result.medians = log.medians();
   save_run(result, log, options.out);
   observers.path->remove();

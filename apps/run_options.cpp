@@ -8,7 +8,9 @@
 #include "apps/camera_choice.h"
 #include "apps/commands.h"
 #include "apps/frame_rate_option.h"
+#include "apps/source_choice.h"
 #include "dkp_slam/dynamics/modes.h"
+#include "dkp_slam/sensor/kinect/kinect_source.h"
 
 namespace dkp_slam::apps {
 namespace {
@@ -47,6 +49,63 @@ void add_detector_options(CLI::App& command, RunOptions& options) {
       ->excludes(recorded)
       ->excludes(detector)
       ->excludes(model);
+}
+
+/// Throws CLI::ValidationError for options that do not go together.
+void check_together(const RunOptions& options, const SlamConfig& config) {
+  if (config.realtime && options.one_at_a_time) {
+    throw CLI::ValidationError("--one-at-a-time", "not with realtime");
+  }
+  if (!config.realtime && options.rate) {
+    throw CLI::ValidationError("--rate", "needs --realtime: without it nothing is played by time");
+  }
+  if (options.rate && !(*options.rate > 0.0 && *options.rate <= 100.0)) {
+    throw CLI::ValidationError("--rate", "must be above 0 and at most 100");
+  }
+  if (config.localize_only && options.localize.empty()) {
+    throw CLI::ValidationError("localize_only", "needs a map; give --localize FILE instead");
+  }
+  const DynamicsMode mode = config.dynamics.mode;
+  if (options.masks.empty()) {
+    if (mode == DynamicsMode::masks && !is_stream(options.sequence)) {
+      throw CLI::ValidationError("mode masks", "needs --masks DIR");
+    }
+  } else if (mode != DynamicsMode::masks && mode != DynamicsOptions().mode) {
+    throw CLI::ValidationError(
+        "--masks", fmt::format("is a mode of its own, masks, not {}", mode_info(mode).name));
+  }
+}
+
+/// Throws CLI::ValidationError for options that the source does not go with.
+void check_source(const RunOptions& options, const SlamConfig& config) {
+  if (options.sequence.empty()) {
+    throw CLI::ValidationError("SEQUENCE", "is required, or --source");
+  }
+  if (options.offline && config.realtime) {
+    throw CLI::ValidationError("--offline", "not with realtime");
+  }
+  if (options.offline && is_kinect(options.sequence)) {
+    throw CLI::ValidationError("--offline", "not with a Kinect, which waits for nobody");
+  }
+  if (options.rate && is_live(options.sequence)) {
+    throw CLI::ValidationError("--rate", "not with a camera, which says itself how fast it goes");
+  }
+  const bool stream = is_stream(options.sequence) || is_kinect(options.sequence);
+  if (options.preload && (stream || options.view.wanted)) {
+    throw CLI::ValidationError("--preload", "needs a folder, and no --view, which may pause it");
+  }
+  if (!options.masks.empty() && is_kinect(options.sequence)) {
+    throw CLI::ValidationError("--masks", "not with a Kinect, which brings none");
+  }
+  if (!options.masks.empty() && is_stream(options.sequence)) {
+    throw CLI::ValidationError("--masks",
+                               "not with a stream, which brings its masks: --mode masks");
+  }
+  if (!options.masks.empty() && is_bag_file(options.sequence)) {
+    throw CLI::ValidationError("--masks",
+                               "not with a bag, whose images have no names; `record` "
+                               "makes a folder of it");
+  }
 }
 
 }  // namespace
@@ -124,6 +183,17 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::Range(1, 1000000))
       ->needs(overlay)
       ->capture_default_str();
+}
+
+SlamConfig config_of(const RunOptions& options) {
+  SlamConfig config = make_config(options.config);
+  check_source(options, config);
+  // A camera waits for nobody.
+  if (is_live(options.sequence) && !options.offline) config.realtime = true;
+  check_together(options, config);
+  if (!options.masks.empty()) config.dynamics.mode = DynamicsMode::masks;
+  config.localize_only = !options.localize.empty();
+  return config;
 }
 
 }  // namespace dkp_slam::apps

@@ -10,6 +10,7 @@
 #include "apps/dense_files.h"
 #include "apps/run_view.h"
 #include "dkp_slam/sensor/layout/image_folder.h"
+#include "dkp_slam/system/config.h"
 
 namespace dkp_slam::apps {
 
@@ -43,5 +44,9 @@ void add_source_options(CLI::App& command, RunOptions& options);
 
 /// Adds every other option of `dkp-slam run` but for --out and those of the view.
 void add_run_options(CLI::App& command, RunOptions& options);
+
+/// The configuration of the run that is asked for, all but its camera. Throws CLI::ValidationError
+/// for options that do not go together or with the source, `Error` for a configuration's mistakes.
+SlamConfig config_of(const RunOptions& options);
 
 }  // namespace dkp_slam::apps

@@ -92,112 +92,157 @@ void write_features(std::ostream& out, const RgbdFrame& frame,
   }
 }
 
-struct Totals {
-  MaskScoreTally tally;
-  std::size_t frames = 0, features = 0, kept = 0;
-  std::vector<double> clustering_ms, removal_ms;
-};
-
-void run(const BenchOptions& bench) {
-  const Camera camera = load_camera(bench.camera);
-  DynamicsOptions options;
-  options.mode = mode_named(bench.mode);
-  if (bench.clustering == "paper") options.clustering.mode = ClusteringMode::paper;
-  if (bench.clustering == "band") options.clustering.mode = ClusteringMode::band;
+DynamicsOptions options_of(const BenchOptions& bench) {
   SlamConfig config;
-  config.dynamics = options;
+  config.dynamics.mode = mode_named(bench.mode);
+  if (bench.clustering == "paper") config.dynamics.clustering.mode = ClusteringMode::paper;
+  if (bench.clustering == "band") config.dynamics.clustering.mode = ClusteringMode::band;
   OptionList list = OptionList::of(config);
   for (const std::string& setting : bench.settings) list.assign(setting);
-  options = config.dynamics;
-  DynamicsModule dynamics(camera, options);
-  OrbExtractor orb;
-  std::unique_ptr<Detector> detector;
+  return config.dynamics;
+}
+
+/// Null where neither a model nor detections are given.
+std::unique_ptr<Detector> detector_of(const BenchOptions& bench) {
   if (!bench.model.empty()) {
     YoloxOptions yolox;
     yolox.model = bench.model;
-    detector = make_yolox_detector(yolox);
-  } else if (!bench.detections.empty()) {
-    detector = open_recorded_detections(bench.detections, ClassTable());
+    return make_yolox_detector(yolox);
   }
-  const std::filesystem::path folder(bench.sequence);
-  const std::vector<Entry> entries = read_associations(folder);
-  if (!bench.overlay.empty()) std::filesystem::create_directories(bench.overlay);
-  std::ofstream csv(bench.csv);
-  if (csv) csv << "frame,iou,inside,inside_removed,outside,outside_kept,clustering_ms,removal_ms\n";
-  std::ofstream features(bench.features);
-  if (features) features << "frame,x,y,level,truth,static,masked,region,residual,depth\n";
-  Totals totals;
-  const int end = std::min(static_cast<int>(entries.size()), bench.last);
-  ImageReader images;
-  for (int i = bench.first; i < end; ++i) {
-    const Entry& e = entries[static_cast<std::size_t>(i)];
-    RgbdFrame frame;
-    frame.index = i;
-    frame.timestamp = e.timestamp;
-    frame.colour = images.read_colour((folder / e.colour).string()).image;
-    const cv::Mat raw = images.read_unchanged((folder / e.depth).string()).image;
-    raw.convertTo(frame.depth, CV_32F, 1.0 / camera.depth_scale);
-    frame.depth.setTo(0.0F, frame.depth < camera.min_depth);
-    frame.depth.setTo(0.0F, frame.depth > camera.max_depth);
-    const auto mask_path = folder / "mask" / std::filesystem::path(e.colour).filename();
-    const cv::Mat truth = std::filesystem::exists(mask_path)
-                              ? images.read_grey_png(mask_path.string()).image
-                              : cv::Mat();
-    if (options.mode == DynamicsMode::masks) frame.mask = truth;
-    cv::Mat grey;
-    cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
-    const auto keypoints = orb.extract(grey).keypoints;
-    DetectionResult answer;
-    answer.timestamp = frame.timestamp;
-    answer.answered = detector && detector->looks_at(frame);
-    if (answer.answered) answer.detections = detector->detect(frame);
-    const FrameDynamics result = dynamics.process(frame, grey, keypoints, answer);
-    ++totals.frames;
-    totals.features += keypoints.size();
-    totals.clustering_ms.push_back(result.clustering_ms);
-    totals.removal_ms.push_back(result.removal_ms);
+  if (bench.detections.empty()) return nullptr;
+  return open_recorded_detections(bench.detections, ClassTable());
+}
+
+/// A frame of the sequence, and where people are in it (empty where that is not known).
+struct KnownFrame {
+  RgbdFrame frame;
+  cv::Mat truth;
+};
+
+KnownFrame read_frame(ImageReader& images, const std::filesystem::path& folder, const Entry& entry,
+                      const Camera& camera) {
+  KnownFrame known;
+  RgbdFrame& frame = known.frame;
+  frame.timestamp = entry.timestamp;
+  frame.colour = images.read_colour((folder / entry.colour).string()).image;
+  const cv::Mat raw = images.read_unchanged((folder / entry.depth).string()).image;
+  raw.convertTo(frame.depth, CV_32F, 1.0 / camera.depth_scale);
+  frame.depth.setTo(0.0F, frame.depth < camera.min_depth);
+  frame.depth.setTo(0.0F, frame.depth > camera.max_depth);
+  const auto mask = folder / "mask" / std::filesystem::path(entry.colour).filename();
+  if (std::filesystem::exists(mask)) known.truth = images.read_grey_png(mask.string()).image;
+  return known;
+}
+
+/// What a frame adds to the figures.
+struct FrameScore {
+  double iou = -1.0;  ///< mean of the frame's people; -1 where there is none to compare with
+  FeatureCounts counts;
+};
+
+/// The figures of all frames so far, and the files with those of each.
+class Tally {
+ public:
+  explicit Tally(const BenchOptions& bench) : csv_(bench.csv), features_(bench.features) {
+    if (csv_) {
+      csv_ << "frame,iou,inside,inside_removed,outside,outside_kept,clustering_ms,removal_ms\n";
+    }
+    if (features_) features_ << "frame,x,y,level,truth,static,masked,region,residual,depth\n";
+  }
+
+  void add(const KnownFrame& known, const std::vector<cv::KeyPoint>& keypoints,
+           const FrameDynamics& result) {
+    ++frames_;
+    clustering_ms_.push_back(result.clustering_ms);
+    removal_ms_.push_back(result.removal_ms);
+    const FrameScore score = score_of(known.truth, keypoints, result);
+    if (features_) write_features(features_, known.frame, keypoints, result, known.truth);
+    if (csv_) {
+      csv_ << fmt::format("{},{:.3f},{},{},{},{},{:.2f},{:.2f}\n", known.frame.index, score.iou,
+                          score.counts.inside, score.counts.inside_removed, score.counts.outside,
+                          score.counts.outside_kept, result.clustering_ms, result.removal_ms);
+    }
+  }
+
+  void print(const std::string& sequence, const std::string& mode) const {
+    const auto percent = [](const std::optional<double>& v) {
+      return v ? fmt::format("{:.2f}", 100.0 * *v) : std::string("-");
+    };
+    fmt::print(
+        "{} mode {}: {} frames, mean IoU {} % over {}, removed {} %, kept {} %, features {} kept "
+        "{}, clustering {:.2f} ms, removal {:.2f} ms\n",
+        sequence, mode, frames_, percent(masks_.mean_iou()), masks_.frames(),
+        percent(masks_.removed_share()), percent(masks_.kept_share()), feature_count_, kept_,
+        median(clustering_ms_), median(removal_ms_));
+  }
+
+ private:
+  FrameScore score_of(const cv::Mat& truth, const std::vector<cv::KeyPoint>& keypoints,
+                      const FrameDynamics& result) {
     std::vector<cv::Point2f> points;
     std::vector<bool> kept;
     for (std::size_t k = 0; k < keypoints.size(); ++k) {
       points.push_back(keypoints[k].pt);
       kept.push_back(result.features[k].is_static);
-      totals.kept += kept.back() ? 1 : 0;
+      kept_ += kept.back() ? 1 : 0;
     }
-    FeatureCounts counts;
-    double iou = -1.0;
-    if (!truth.empty()) {
-      const auto scores = score_mask(truth, result.mask);
-      counts = count_features(truth, points, kept);
-      totals.tally.add(scores, counts);
-      if (!scores.empty()) {
-        iou = 0.0;
-        for (const auto& s : scores) iou += s.iou / static_cast<double>(scores.size());
-      }
+    feature_count_ += keypoints.size();
+    FrameScore score;
+    if (truth.empty()) return score;
+    const auto scores = score_mask(truth, result.mask);
+    score.counts = count_features(truth, points, kept);
+    masks_.add(scores, score.counts);
+    if (!scores.empty()) {
+      score.iou = 0.0;
+      for (const auto& s : scores) score.iou += s.iou / static_cast<double>(scores.size());
     }
-    if (features) write_features(features, frame, keypoints, result, truth);
-    if (csv) {
-      csv << fmt::format("{},{:.3f},{},{},{},{},{:.2f},{:.2f}\n", i, iou, counts.inside,
-                         counts.inside_removed, counts.outside, counts.outside_kept,
-                         result.clustering_ms, result.removal_ms);
-    }
-    const bool listed = std::find(bench.overlay_frames.begin(), bench.overlay_frames.end(), i) !=
-                        bench.overlay_frames.end();
-    const bool due = bench.overlay_every > 0 && i % bench.overlay_every == 0;
-    if (!bench.overlay.empty() && (listed || due)) {
+    return score;
+  }
+
+  std::ofstream csv_, features_;
+  MaskScoreTally masks_;
+  std::size_t frames_ = 0, feature_count_ = 0, kept_ = 0;
+  std::vector<double> clustering_ms_, removal_ms_;
+};
+
+bool wants_picture(const BenchOptions& bench, int frame) {
+  if (bench.overlay.empty()) return false;
+  const auto& listed = bench.overlay_frames;
+  return std::find(listed.begin(), listed.end(), frame) != listed.end() ||
+         (bench.overlay_every > 0 && frame % bench.overlay_every == 0);
+}
+
+void run(const BenchOptions& bench) {
+  const Camera camera = load_camera(bench.camera);
+  const DynamicsOptions options = options_of(bench);
+  DynamicsModule dynamics(camera, options);
+  OrbExtractor orb;
+  const std::unique_ptr<Detector> detector = detector_of(bench);
+  const std::filesystem::path folder(bench.sequence);
+  const std::vector<Entry> entries = read_associations(folder);
+  if (!bench.overlay.empty()) std::filesystem::create_directories(bench.overlay);
+  Tally tally(bench);
+  const int end = std::min(static_cast<int>(entries.size()), bench.last);
+  ImageReader images;
+  for (int i = bench.first; i < end; ++i) {
+    KnownFrame known = read_frame(images, folder, entries[static_cast<std::size_t>(i)], camera);
+    known.frame.index = i;
+    if (options.mode == DynamicsMode::masks) known.frame.mask = known.truth;
+    cv::Mat grey;
+    cv::cvtColor(known.frame.colour, grey, cv::COLOR_BGR2GRAY);
+    const auto keypoints = orb.extract(grey).keypoints;
+    DetectionResult answer;
+    answer.timestamp = known.frame.timestamp;
+    answer.answered = detector && detector->looks_at(known.frame);
+    if (answer.answered) answer.detections = detector->detect(known.frame);
+    const FrameDynamics result = dynamics.process(known.frame, grey, keypoints, answer);
+    tally.add(known, keypoints, result);
+    if (wants_picture(bench, i)) {
       write_image(fmt::format("{}/{:04d}.png", bench.overlay, i),
-                  picture_of(frame, keypoints, result, truth));
+                  picture_of(known.frame, keypoints, result, known.truth));
     }
   }
-  const auto percent = [](const std::optional<double>& v) {
-    return v ? fmt::format("{:.2f}", 100.0 * *v) : std::string("-");
-  };
-  fmt::print(
-      "{} mode {}: {} frames, mean IoU {} % over {}, removed {} %, kept {} %, features {} kept "
-      "{}, clustering {:.2f} ms, removal {:.2f} ms\n",
-      folder.filename().string(), bench.mode, totals.frames, percent(totals.tally.mean_iou()),
-      totals.tally.frames(), percent(totals.tally.removed_share()),
-      percent(totals.tally.kept_share()), totals.features, totals.kept,
-      median(totals.clustering_ms), median(totals.removal_ms));
+  tally.print(folder.filename().string(), bench.mode);
 }
 
 }  // namespace
