@@ -5,10 +5,11 @@
 # What they learn stays in build/fuzz/corpus; an input that breaks something goes to
 # build/fuzz/found/TARGET, its report beside it, and ends with exit code 1. Copied into
 # fuzz/found/TARGET it is a regression test (fuzz_test).
+#   FUZZ_JOBS   how many at once; FUZZ_SEED: the same mutations every time (a new corpus given)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage() { sed -n '2,8s/^# \?//p' "scripts/fuzz.sh" >&2; exit 2; }
+usage() { sed -n '2,9s/^# \?//p' "scripts/fuzz.sh" >&2; exit 2; }
 [ $# -ge 1 ] || usage
 [[ $1 =~ ^([0-9]+)([smh]?)$ ]] || usage
 seconds=${BASH_REMATCH[1]}
@@ -47,7 +48,7 @@ run_target() {
   if [ "$target" = bag ]; then leaks=0; fi
   # What other libraries say of broken files is of no interest; the report goes elsewhere.
   UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=cmake/lsan.supp:print_suppressions=0 \
-    "build/fuzz/fuzz/fuzz_$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=3000 \
+    "build/fuzz/fuzz/fuzz_$target" -max_total_time="$seconds" -seed="${FUZZ_SEED:-0}" -timeout=20 -rss_limit_mb=3000 \
     -detect_leaks=$leaks -close_fd_mask=3 -print_final_stats=1 -artifact_prefix="$found/" \
     "$corpus" "${known[@]}" >"$found/report.log" 2>&1 || code=$?
   printf '%-14s %12s executions%s\n' "$target" \
