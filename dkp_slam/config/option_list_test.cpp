@@ -5,51 +5,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "dkp_slam/config/test_options.h"
 #include "dkp_slam/error.h"
 
 namespace dkp_slam {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-
-enum class Colour { red, green };
-
-struct Brush {
-  double width = 0.5;
-  int hairs = 100;
-
-  void describe(OptionList& list) {
-    list.add("width", width, positive_share(), "metres", "of the brush");
-    list.add("hairs", hairs, between(1, 1000), "", "in it");
-  }
-  void check() const { check_options(*this); }
-};
-
-struct Paint {
-  float thickness = 0.3F;
-  std::uint64_t seed = 1;
-  bool wet = true;
-  std::string name = "wall";
-  Colour colour = Colour::green;
-  Brush brush;
-  int least = 3, most = 5;
-  void* maker = nullptr;  // no option
-
-  void describe(OptionList& list) {
-    list.add("thickness", thickness, at_least(0), "metres", "of the paint");
-    list.add("seed", seed, any_number(), "", "of the drops");
-    list.add("wet", wet, "leave it so");
-    list.add("name", name, "of what is painted");
-    list.add("colour", colour, {{Colour::red, "red"}, {Colour::green, "green"}}, "of the paint");
-    list.add_part("brush", brush, "what it is painted with");
-    list.add("least", least, any_number(), "", "coats");
-    list.add("most", most, any_number(), "", "coats");
-    list.order("least", "most");
-    list.leave_out();
-  }
-  void check() const { check_options(*this); }
-};
+using testing::Brush;
+using testing::Colour;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::Paint;
 
 /// Lists one of its two fields.
 struct Forgetful {

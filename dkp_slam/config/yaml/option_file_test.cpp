@@ -44,12 +44,12 @@ struct Whole {
   }
 };
 
-class OptionFile : public testing::Test {
+class OptionFile : public ::testing::Test {
  protected:
   OptionFile()
       : file_(fs::temp_directory_path() /
               fmt::format("option_file_{}.yaml",
-                          testing::UnitTest::GetInstance()->current_test_info()->name())) {}
+                          ::testing::UnitTest::GetInstance()->current_test_info()->name())) {}
   ~OptionFile() override { fs::remove_all(file_); }
 
   Whole read(const std::string& text) const {
@@ -133,7 +133,7 @@ TEST_F(OptionFile, MistakesNameTheLine) {
             "2: part.count has no single value; it must be a whole number at least 1");
   EXPECT_EQ(refusal("fast: true\nfast: false\n"), "2: fast is given twice");
   EXPECT_EQ(refusal("[1, 2]: 3\n"), "1: a name must stand here");
-  EXPECT_THAT(refusal("part: {count: 3\n"), testing::HasSubstr("no YAML: "));
+  EXPECT_THAT(refusal("part: {count: 3\n"), ::testing::HasSubstr("no YAML: "));
 }
 
 TEST_F(OptionFile, NoMapAndNoFile) {
@@ -146,7 +146,7 @@ TEST_F(OptionFile, NoMapAndNoFile) {
   EXPECT_THROW(read_option_file(file_.string() + ".none", list), Error);
   EXPECT_THROW(read_option_file(fs::temp_directory_path(), list), Error);
   EXPECT_THAT([&] { read_option_file("/dev/zero", list); },
-              testing::ThrowsMessage<Error>(testing::HasSubstr("over a megabyte")));
+              ::testing::ThrowsMessage<Error>(::testing::HasSubstr("over a megabyte")));
 }
 
 }  // namespace
