@@ -202,7 +202,7 @@ void DynamicsModule::State::classify(Work& work, FrameDynamics& result) {
     result.features[i].tracked = work.motion.tracks.tracked[i] != 0;
     result.features[i].motion_residual = work.motion.residual[i];
   }
-  const RemovalInput input{work.points, regions, work.labels, work.motion};
+  const RemovalInput input{work.points, regions, work.labels, work.frame.depth, work.motion};
   parts.classifier->classify(input, result.features);
   result.doubtful = parts.classifier->doubtful(input);
   if (!parts.flow_compensation) return;

@@ -98,7 +98,7 @@ TEST(GivenMasks, AreTheDynamicRegionAndNothingElseIs) {
   person.score = 1.0F;
   const FrameDynamics result = module.process(frame, grey, keypoints, {0.0, true, {person}});
   EXPECT_EQ(cv::norm(result.mask, frame.mask != 0, cv::NORM_INF), 0.0);
-  const int margin = options.removal.mask_margin;
+  const int margin = options.removal.given_margin;
   const auto grown = [&](const cv::Rect& r) {
     return cv::Rect(r.tl() - cv::Point(margin, margin), r.br() + cv::Point(margin, margin));
   };

@@ -50,7 +50,7 @@ DynamicsParts given_parts(const Camera& camera, const DynamicsOptions& options) 
   parts.given_masks = std::make_unique<GivenMasks>(options.compensation.carry_seconds);
   parts.motion = std::make_unique<FeatureMotionEstimator>(camera, options.motion);
   parts.ego_motion = true;
-  parts.classifier = std::make_unique<GivenMaskRule>(options.removal.mask_margin);
+  parts.classifier = std::make_unique<GivenMaskRule>(options.removal.given_margin);
   return parts;
 }
 

@@ -51,6 +51,8 @@ void scale_pixels(double pixels, DynamicsOptions& dynamics) {
 SlamConfig scaled_to_camera(const SlamConfig& config) {
   const SensorScale scale = SensorScale::of(config.camera);
   SlamConfig scaled = config;
+  scaled.dynamics.removal.depth_margin =
+      cvRound(scale.pixels * config.dynamics.removal.depth_margin);
   scaled.refill.margin = cvRound(scale.pixels * config.refill.margin);
   scaled.refill.known_inside = cvRound(scale.pixels * config.refill.known_inside);
   if (scale.pixels < 1.0) {

@@ -66,9 +66,11 @@ TEST(ScaledConfig, PixelsOfTheDynamicsShrinkWithTheImage) {
   EXPECT_FLOAT_EQ(small.surfaces.still_long, 0.84852814F);
   EXPECT_DOUBLE_EQ(small.motion.min_lag_pixels, 1.0);
   EXPECT_DOUBLE_EQ(small.motion.max_lag_pixels, 4.0);
-  EXPECT_EQ(small.removal.mask_margin, 2);
+  EXPECT_EQ(small.removal.mask_margin, 1);
+  EXPECT_EQ(small.removal.depth_margin, 8);
   const DynamicsOptions large = scaled_to_camera(config_of(1280, 30.0)).dynamics;
   EXPECT_EQ(large.removal.residual, 4.0F);
+  EXPECT_EQ(large.removal.depth_margin, 32);
   EXPECT_EQ(large.surfaces.moving_short, 1.5F);
   EXPECT_EQ(large.motion.max_lag_pixels, 8.0);
 }

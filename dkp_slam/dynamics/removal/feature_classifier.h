@@ -16,6 +16,7 @@ struct RemovalInput {
   const std::vector<cv::Point2f>& points;     ///< raw pixels
   const std::vector<ObjectRegions>& objects;  ///< of this frame
   const cv::Mat& labels;                      ///< CV_8UC1, image size: i + 1 in objects[i]'s mask
+  const cv::Mat& depth;                       ///< CV_32FC1, image size, metres, 0 where unknown
   const FeatureMotion& motion;
 };
 

@@ -30,6 +30,12 @@ void RemovalOptions::describe(OptionList& list) {
   list.add("epsilon", epsilon, above(0), "pixels", "of Algorithm 2: static when D * W is below it");
   list.add("mask_margin", mask_margin, between(0, 100), "pixels",
            "from a mask; features nearer go with it");
+  list.add("depth_margin", depth_margin, between(0, 100), "pixels",
+           "from a mask; features nearer go with it where they are at its depth");
+  list.add("depth_tolerance", depth_tolerance, between(0, 1), "",
+           "share of the depth by which a feature at a mask's depth may differ from it");
+  list.add("given_margin", given_margin, between(0, 100), "pixels",
+           "from a mask that was given with the image; features nearer go with it");
   list.add("residual", residual, above(0), "pixels",
            "of a static point at most, in a box and outside its mask");
   list.add("residual_long", residual_long, above(0), "pixels", "the same, over the long baseline");

@@ -7,10 +7,13 @@
 
 namespace dkp_slam {
 
+cv::Point nearest_pixel(const cv::Size& image, const cv::Point2f& p) {
+  return {std::clamp(cvRound(p.x), 0, image.width - 1),
+          std::clamp(cvRound(p.y), 0, image.height - 1)};
+}
+
 int label_at(const cv::Mat& labels, const cv::Point2f& p) {
-  const int x = std::clamp(cvRound(p.x), 0, labels.cols - 1);
-  const int y = std::clamp(cvRound(p.y), 0, labels.rows - 1);
-  return labels.at<std::uint8_t>(y, x);
+  return labels.at<std::uint8_t>(nearest_pixel(labels.size(), p));
 }
 
 cv::Mat masks_and_outlines(const cv::Mat& labels, int margin) {

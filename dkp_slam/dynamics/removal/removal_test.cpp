@@ -67,18 +67,19 @@ class Rules : public ::testing::Test {
       f.tracked = true;
       f.motion_residual = 0.2F;
     }
-    rule.classify({points_, objects_, labels_, motion_}, features_);
+    rule.classify({points_, objects_, labels_, depth_, motion_}, features_);
     std::vector<bool> kept;
     for (const FeatureDynamics& f : features_) kept.push_back(f.is_static);
     return kept;
   }
 
   // In the person's mask, at its outline, in the box beside it; the same of the chair; outside.
-  const std::vector<cv::Point2f> points_ = {{150, 150}, {181, 150}, {240, 240}, {450, 150},
-                                            {481, 150}, {540, 240}, {300, 400}};
+  const std::vector<cv::Point2f> points_ = {{150, 150}, {180, 150}, {240, 240}, {450, 150},
+                                            {480, 150}, {540, 240}, {300, 400}};
   const std::vector<ObjectRegions> objects_ = {{{100, 100, 150, 150}, 10.0F, true},
                                                {{400, 100, 150, 150}, 4.0F, false}};
   cv::Mat labels_ = cv::Mat::zeros(480, 640, CV_8UC1);
+  cv::Mat depth_ = cv::Mat::zeros(480, 640, CV_32FC1);
   std::vector<FeatureDynamics> features_;
   FeatureMotion motion_;
 };
@@ -106,6 +107,24 @@ TEST_F(Rules, MasksOfPeopleGoWithTheirOutlinesAndElseWhatIsSeenToMove) {
   EXPECT_EQ(kept_by(rule), (std::vector<bool>{false, false, false, false, true, true, true}));
 }
 
+TEST_F(Rules, WhatIsAtThePersonsDepthBesideTheMaskGoesWithIt) {
+  depth_.setTo(2.0F);
+  const auto kept = [&](const cv::Point& where, float depth) {
+    const std::vector<cv::Point2f> points{where};
+    depth_.at<float>(where) = depth;
+    std::vector<FeatureDynamics> features(1);
+    motion_.residual = motion_.long_residual = {0.2F};
+    assign_regions(points, objects_, labels_, features);
+    ResidualRule(strict()).classify({points, objects_, labels_, depth_, motion_}, features);
+    return features[0].is_static;
+  };
+  EXPECT_FALSE(kept({190, 150}, 2.05F));
+  EXPECT_TRUE(kept({190, 150}, 2.1F));
+  EXPECT_TRUE(kept({190, 150}, 0.0F));   // not known
+  EXPECT_TRUE(kept({196, 150}, 2.05F));  // 17 pixels from the mask
+  EXPECT_TRUE(kept({490, 150}, 2.05F));  // beside the chair's
+}
+
 TEST_F(Rules, WhatIsSeenToMoveIsMoreThanTheNoise) {
   motion_.long_residual.assign(points_.size(), 7.0F);
   motion_.camera_motion.emplace();
@@ -123,7 +142,7 @@ TEST_F(Rules, OnlyInBoxesWhatMovesFromFrameToFrameGoesIfFlowCouldFollowIt) {
       f.tracked = tracked;
       f.motion_residual = residual;
     }
-    ResidualRule(strict()).classify({points_, objects_, labels_, motion_}, features_);
+    ResidualRule(strict()).classify({points_, objects_, labels_, depth_, motion_}, features_);
     std::vector<bool> all;
     for (const FeatureDynamics& f : features_) all.push_back(f.is_static);
     return all;
@@ -146,7 +165,7 @@ TEST_F(Rules, WhatThePoseNeedsComesBackThatWhichMovesLeastFirst) {
 }
 
 TEST_F(Rules, KnowWhereNothingIsStaticUnseen) {
-  const RemovalInput input{points_, objects_, labels_, motion_};
+  const RemovalInput input{points_, objects_, labels_, depth_, motion_};
   const auto doubtful = [&](const FeatureClassifier& rule) {
     std::vector<bool> at;
     for (const cv::Point2f& p : points_) at.push_back(label_at(rule.doubtful(input), p) != 0);
@@ -160,7 +179,7 @@ TEST_F(Rules, KnowWhereNothingIsStaticUnseen) {
   EXPECT_EQ(doubtful(GivenMaskRule(2)),
             (std::vector<bool>{true, false, false, true, false, false, false}));
   const std::vector<ObjectRegions> nobody;
-  EXPECT_TRUE(BoxRule().doubtful({points_, nobody, labels_, motion_}).empty());
+  EXPECT_TRUE(BoxRule().doubtful({points_, nobody, labels_, depth_, motion_}).empty());
 }
 
 TEST(Removal, PaperWeighsTheEpipolarDistance) {

@@ -23,15 +23,24 @@ float ResidualRule::motion(const FeatureDynamics& f, float long_residual, float 
 
 void ResidualRule::classify(const RemovalInput& input,
                             std::vector<FeatureDynamics>& features) const {
-  cv::Mat masks = masks_of_self_moving(input);
-  if (!input.objects.empty()) masks = masks_and_outlines(masks, options_.mask_margin);
+  const cv::Mat masks = masks_of_self_moving(input);
+  cv::Mat outlines = masks;
+  cv::Mat beside;
+  if (!input.objects.empty()) {
+    outlines = masks_and_outlines(masks, options_.mask_margin);
+    beside = mask_depth_.candidates(masks);
+  }
   const auto& camera_motion = input.motion.camera_motion;
   const float noise = camera_motion ? static_cast<float>(camera_motion->noise) : 0.0F;
   std::vector<std::pair<float, std::size_t>> moving;  // by how much they are seen to move
   std::ptrdiff_t left = 0;
   for (std::size_t i = 0; i < features.size(); ++i) {
     FeatureDynamics& f = features[i];
-    f.is_static = label_at(masks, input.points[i]) == 0;
+    f.is_static = label_at(outlines, input.points[i]) == 0;
+    if (f.is_static && !beside.empty() && label_at(beside, input.points[i]) != 0) {
+      f.is_static =
+          !mask_depth_.is_shared(masks, input.depth, nearest_pixel(masks.size(), input.points[i]));
+    }
     if (f.is_static && f.region != Region::low) {
       const float moves = motion(f, input.motion.long_residual[i], noise);
       f.is_static = moves < 1.0F;

@@ -4,20 +4,23 @@
 #include <vector>
 
 #include "dkp_slam/dynamics/removal/feature_classifier.h"
+#include "dkp_slam/dynamics/removal/mask_depth.h"
 #include "dkp_slam/dynamics/removal/removal_options.h"
 
 namespace dkp_slam {
 
-/// Removes the masks of what moves by itself with their outlines, and of the rest of all boxes the
-/// features that are seen to move: off the place where the measured ego-motion puts what is static,
-/// by more than its noise. What flow cannot follow is no proof. Where that leaves too few for a
-/// pose, those that move least come back. Outside the boxes single features prove nothing either:
-/// where a hand moves the camera in a still room 6 to 12% of the features are off by more than 2
-/// px, and half of those of a blurred image, for flow slips along edges and on patterns that
-/// repeat. What really moves there is a surface, and becomes an object (`MovingSurfaces`).
+/// Removes the masks of what moves by itself with their outlines and what is beside them at their
+/// depth, and of the rest of all boxes the features that are seen to move: off the place where the
+/// measured ego-motion puts what is static, by more than its noise. What flow cannot follow is no
+/// proof. Where that leaves too few for a pose, those that move least come back. Outside the boxes
+/// single features prove nothing either: where a hand moves the camera in a still room 6 to 12% of
+/// the features are off by more than 2 px, and half of those of a blurred image, for flow slips
+/// along edges and on patterns that repeat. What really moves there is a surface, and becomes an
+/// object (`MovingSurfaces`).
 class ResidualRule : public FeatureClassifier {
  public:
-  explicit ResidualRule(const RemovalOptions& options) : options_(options) {}
+  explicit ResidualRule(const RemovalOptions& options)
+      : options_(options), mask_depth_(options.depth_margin, options.depth_tolerance) {}
   std::string name() const override { return "residual rule"; }
   void classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const override;
   cv::Mat doubtful(const RemovalInput& input) const override;
@@ -28,6 +31,7 @@ class ResidualRule : public FeatureClassifier {
   float motion(const FeatureDynamics& f, float long_residual, float noise) const;
 
   RemovalOptions options_;
+  MaskDepth mask_depth_;
 };
 
 }  // namespace dkp_slam
