@@ -40,8 +40,7 @@ void scale_pixels(double pixels, DynamicsOptions& dynamics) {
   narrow(dynamics.surfaces.moving_long);
   narrow(dynamics.surfaces.still_long);
   // How ragged depth is beside an edge, and how far colour moves until depth is read, are angles.
-  // But masks are known to two pixels of any image: their margin stays (measured: half of it is
-  // no better, and far worse where the camera turns).
+  // But masks are known to a pixel of any image: their margin stays.
   dynamics.motion.min_lag_pixels *= pixels;
   dynamics.motion.max_lag_pixels *= pixels;
 }
