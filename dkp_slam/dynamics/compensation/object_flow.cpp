@@ -2,12 +2,13 @@
 
 #include <algorithm>
 
+#include "dkp_slam/geometry/nearest_pixel.h"
+
 namespace dkp_slam {
 namespace {
 
 std::uint8_t label_of(const cv::Mat& labels, const cv::Point2f& p) {
-  return labels.at<std::uint8_t>(std::clamp(cvRound(p.y), 0, labels.rows - 1),
-                                 std::clamp(cvRound(p.x), 0, labels.cols - 1));
+  return labels.at<std::uint8_t>(nearest_pixel(labels.size(), p));
 }
 
 }  // namespace

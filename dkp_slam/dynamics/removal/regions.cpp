@@ -5,12 +5,9 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace dkp_slam {
+#include "dkp_slam/geometry/nearest_pixel.h"
 
-cv::Point nearest_pixel(const cv::Size& image, const cv::Point2f& p) {
-  return {std::clamp(cvRound(p.x), 0, image.width - 1),
-          std::clamp(cvRound(p.y), 0, image.height - 1)};
-}
+namespace dkp_slam {
 
 int label_at(const cv::Mat& labels, const cv::Point2f& p) {
   return labels.at<std::uint8_t>(nearest_pixel(labels.size(), p));

@@ -38,9 +38,6 @@ struct ObjectRegions {
   bool moves_by_itself = true;
 };
 
-/// The pixel of an image that is nearest to a raw one, which may lie just outside it.
-cv::Point nearest_pixel(const cv::Size& image, const cv::Point2f& pixel);
-
 /// Label (CV_8UC1) at a raw pixel, which may lie just outside the image.
 int label_at(const cv::Mat& labels, const cv::Point2f& pixel);
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "dkp_slam/dynamics/removal/region_rules.h"
+#include "dkp_slam/geometry/nearest_pixel.h"
 
 namespace dkp_slam {
 
