@@ -32,6 +32,7 @@ struct CalibrateArguments {
   fs::path out, plot;
   std::vector<std::string> lengths;
   bool bias = false, focal = false, principal_point = false, distortion = false;
+  bool depth_distortion = false;
   ConfigOptions config;
 };
 
@@ -55,10 +56,8 @@ std::vector<KnownLength> lengths_of(const CalibrateArguments& arguments) {
 std::vector<CalibrationSequence> open_sequences(const std::vector<std::string>& folders) {
   std::vector<CalibrationSequence> sequences;
   for (const std::string& folder : folders) {
-    sequences.push_back({folder, [folder](const Camera& camera, const DepthCorrection& depth) {
-                           TumOptions images;
-                           images.depth = depth;
-                           return open_image_folder(folder, camera, images);
+    sequences.push_back({folder, [folder](const Camera& camera) {
+                           return open_image_folder(folder, camera, TumOptions());
                          }});
   }
   return sequences;
@@ -99,15 +98,15 @@ void calibrate_camera(const CalibrateArguments& arguments) {
   options.focal = arguments.focal;
   options.principal_point = arguments.principal_point;
   options.distortion = arguments.distortion;
+  options.depth_distortion = arguments.depth_distortion;
   options.lengths = lengths_of(arguments);
   options.stop = &interrupt_flag();
   const fs::path camera = choose_camera(arguments.sequences.front(), arguments.camera);
   if (arguments.camera.empty()) spdlog::info("camera: {}", camera.string());
   config.camera = load_camera(camera);
-  const DepthCorrection depth = load_depth_correction(camera);
   const std::vector<CalibrationSequence> sequences = open_sequences(arguments.sequences);
   // Each is opened once, so that a wrong one is found before the first has been played.
-  for (const CalibrationSequence& s : sequences) s.open(config.camera, depth);
+  for (const CalibrationSequence& s : sequences) s.open(config.camera);
   check_writable(arguments.out);
   if (!arguments.plot.empty()) check_writable(arguments.plot);
 
@@ -115,7 +114,7 @@ void calibrate_camera(const CalibrateArguments& arguments) {
   std::size_t last = 0;
   int playing = 0;
   const Calibration found =
-      calibrate(sequences, config, depth, options, [&](int, std::size_t frame, std::size_t frames) {
+      calibrate(sequences, config, options, [&](int, std::size_t frame, std::size_t frames) {
         if (!progress || frame < last) {
           progress.reset();
           progress = std::make_unique<Progress>(fmt::format("calibrate {}", ++playing), frames);
@@ -156,6 +155,8 @@ void add_calibrate_command(CLI::App& program) {
   command->add_flag("--principal-point", arguments->principal_point,
                     "Find the principal point, too");
   command->add_flag("--distortion", arguments->distortion, "Find the lens distortion, too");
+  command->add_flag("--depth-distortion", arguments->depth_distortion,
+                    "Find how depth is off across the image, too");
   command->add_option(
       "--length", arguments->lengths,
       "A known length, for the depth scale: TIMESTAMP,u1,v1,u2,v2,METRES, two pixels on flat "

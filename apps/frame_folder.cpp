@@ -70,7 +70,7 @@ FrameFolder::FrameFolder(fs::path out, const Camera& camera)
       rgb_(new_list(out_ / "rgb.txt", "# timestamp filename\n")),
       depth_(new_list(out_ / "depth.txt", "# timestamp filename\n")),
       associations_(new_list(out_ / "associations.txt", "")) {
-  save_camera(camera, out_ / "camera.yaml");
+  save_camera(camera.of_corrected_images(), out_ / "camera.yaml");
 }
 
 bool FrameFolder::add(const RgbdFrame& frame, bool wait) {

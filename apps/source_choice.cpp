@@ -44,11 +44,9 @@ OpenedSource open_driver(const SourceChoice& choice) {
 
 OpenedSource open_bag_file(const SourceChoice& choice) {
   OpenedSource opened;
-  DepthCorrection correction;
   if (!choice.camera.empty()) {
     opened.camera_name = choose_camera(choice.name, choice.camera);
     opened.camera = load_camera(opened.camera_name);
-    correction = load_depth_correction(opened.camera_name);
   }
   BagOptions options;
   if (!choice.topics.empty()) options.topics = parse_topics(choice.topics);
@@ -62,7 +60,7 @@ OpenedSource open_bag_file(const SourceChoice& choice) {
     opened.camera_name = opened.camera.name;
     spdlog::info("camera: {}", opened.camera_name);
   }
-  bag->use_camera(opened.camera, correction);
+  bag->use_camera(opened.camera);
   opened.source = std::move(bag);
   return opened;
 }
@@ -77,7 +75,7 @@ OpenedSource open_device(const SourceChoice& choice) {
   options.stop = &interrupt_flag();
   options.reconnect = choice.reconnect;
   auto kinect = open_kinect(options);
-  kinect->use_camera(opened.camera, load_depth_correction(opened.camera_name));
+  kinect->use_camera(opened.camera);
   opened.source = std::move(kinect);
   return opened;
 }
@@ -96,7 +94,6 @@ OpenedSource open_folder(const SourceChoice& choice) {
   } else {
     opened.camera_name = choose_camera(choice.name, choice.camera);
     opened.camera = load_camera(opened.camera_name);
-    images.depth = load_depth_correction(opened.camera_name);
   }
   if (choice.camera.empty()) spdlog::info("camera: {}", opened.camera_name);
   opened.source = open_image_folder(choice.name, opened.camera, images, choice.frame_rate);

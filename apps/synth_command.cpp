@@ -34,6 +34,7 @@ struct SynthArguments {
   std::optional<double> readout, depth_readout;
   double depth_scale = 5000.0;
   DepthCorrection depth;
+  std::vector<double> depth_distortion;
   bool force = false;
 };
 
@@ -55,8 +56,9 @@ SyntheticOptions options_of(const SynthArguments& arguments) {
   if (arguments.readout) options.camera.readout = *arguments.readout;
   options.camera.depth_readout = arguments.depth_readout;
   options.camera.depth_scale = arguments.depth_scale;
-  options.depth_delay = arguments.depth.delay;
-  options.depth_bias = arguments.depth.bias;
+  options.camera.depth_correction = arguments.depth;
+  std::copy(arguments.depth_distortion.begin(), arguments.depth_distortion.end(),
+            options.camera.depth_correction.distortion.coefficients.begin());
   return options;
 }
 
@@ -110,6 +112,12 @@ void add_depth_options(CLI::App& command, SynthArguments& arguments) {
                   "Metres that depth images lack: to be added to each depth")
       ->check(CLI::Range(-0.2, 0.2))
       ->capture_default_str();
+  command
+      .add_option("--depth-distortion", arguments.depth_distortion,
+                  "By which depth images are off, as in camera.yaml: nine numbers, 1/metre")
+      ->expected(DepthDistortion::size)
+      ->delimiter(',')
+      ->check(CLI::Range(-0.1, 0.1));
 }
 
 }  // namespace

@@ -151,7 +151,6 @@ Truth truth_of(const Arguments& arguments, const Trajectory& path) {
   const DepthViewer viewer(camera, options);
   TumOptions images;
   images.masks = arguments.sequence / (scenario ? "instances" : "mask");
-  images.depth = load_depth_correction(arguments.camera);
   const auto source = open_tum_folder(arguments.sequence, camera, images);
   while (auto frame = source->read()) {
     if (frame->index % arguments.every != 0 || frame->mask.empty()) continue;

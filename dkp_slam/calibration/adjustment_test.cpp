@@ -149,6 +149,23 @@ TEST(Adjustment, KnowsThatACameraThatDoesNotTurnHidesThePrincipalPoint) {
   EXPECT_GT(std::sqrt(found.covariance(cy_parameter, cy_parameter)), 1.5);
 }
 
+TEST(Adjustment, FindsTheDepthDistortion) {
+  World world;
+  world.frames = 240;
+  world.distortion.coefficients << -0.005, 0.002, 0.006, 0.001, -0.002, 0.002, 0.003, 0.001, -0.001;
+  ParameterChoice free = times_and_bias();
+  for (int i = 0; i < DepthDistortion::size; ++i)
+    free[static_cast<std::size_t>(depth_distortion_parameter + i)] = true;
+  const Adjustment found = adjusted(world, without_readout(world), nullptr, free);
+  EXPECT_NEAR(found.parameters[bias_parameter], world.bias, 6e-3);
+  for (int i = 0; i < DepthDistortion::size; ++i) {
+    const int p = depth_distortion_parameter + i;
+    const double sigma = std::sqrt(found.covariance(p, p));
+    EXPECT_LT(sigma, 1e-3) << i;
+    EXPECT_NEAR(found.parameters[p], world.distortion.coefficients[i], 1e-3) << i;
+  }
+}
+
 TEST(Profile, RowsLieOnALineOfTheReadout) {
   const World world;
   std::vector<Window> windows;

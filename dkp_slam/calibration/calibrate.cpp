@@ -1,6 +1,7 @@
 #include "dkp_slam/calibration/calibrate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -17,13 +18,14 @@ namespace {
 
 // Changes from round to round that change nothing more.
 constexpr double same_readout = 0.0005, same_delay = 0.001;  // seconds
+constexpr double same_depth_distortion = 0.001;              // 1/metre
 
-double rounded(double value, double unit) { return std::round(value / unit) * unit; }
+/// To a multiple of 1 / `parts`, as text holds it.
+double rounded(double value, double parts) { return std::round(value * parts) / parts; }
 
 /// What is known so far.
 struct State {
   SlamConfig config;
-  DepthCorrection depth;
   Trajectory first_path;  ///< of the first sequence
 };
 
@@ -35,15 +37,16 @@ struct Played {
 class Calibrator {
  public:
   Calibrator(const std::vector<CalibrationSequence>& sequences, const SlamConfig& config,
-             const DepthCorrection& depth, const CalibrationOptions& options,
-             const CalibrationProgress& progress)
+             const CalibrationOptions& options, const CalibrationProgress& progress)
       : sequences_(sequences), options_(options), progress_(progress), start_(config.camera) {
     state_.config = config;
-    state_.depth = depth;
-    start_depth_ = depth;
     free_.fill(false);
     free_[readout_parameter] = free_[delay_parameter] = true;
     free_[bias_parameter] = options.bias;
+    if (options.depth_distortion) {
+      for (int i = 0; i < DepthDistortion::size; ++i)
+        free_[static_cast<std::size_t>(depth_distortion_parameter + i)] = true;
+    }
     if (options.focal) free_[fx_parameter] = free_[fy_parameter] = true;
     if (options.principal_point) free_[cx_parameter] = free_[cy_parameter] = true;
     if (options.distortion) {
@@ -68,7 +71,8 @@ class Calibrator {
       }
       const bool settled =
           std::abs(found.parameters[readout_parameter] - from[readout_parameter]) < same_readout &&
-          std::abs(found.parameters[delay_parameter]) < same_delay;
+          std::abs(found.parameters[delay_parameter]) < same_delay &&
+          depth_distortion_of(found.parameters).cwiseAbs().maxCoeff() < same_depth_distortion;
       take(found, windows);
       if (settled) break;
     }
@@ -110,7 +114,7 @@ class Calibrator {
   }
 
   Played play_sequence(const CalibrationSequence& sequence, int round) {
-    const auto source = sequence.open(state_.config.camera, state_.depth);
+    const auto source = sequence.open(state_.config.camera);
     const std::size_t frames = source->size().value_or(0);
     std::unique_ptr<Detector> detector;
     if (mode_info(state_.config.dynamics.mode).detector)
@@ -167,18 +171,20 @@ class Calibrator {
     }
     out_.rows = row_profile(windows, p);
     out_.rates = depth_profile(windows, p);
-    out_.delay_before = state_.depth.delay;
+    out_.delay_before = state_.config.camera.depth_correction.delay;
     Camera camera = with_parameters(state_.config.camera, p);
-    camera.readout = std::clamp(rounded(camera.readout, 1e-6), 0.0, frame);
+    camera.readout = std::clamp(rounded(camera.readout, 1e6), 0.0, frame);
     if (options_.focal) take_focal(camera);
     if (options_.principal_point) take_principal_point(camera);
+    if (options_.depth_distortion) take_depth_distortion(depth_distortion_of(p), camera);
+    DepthCorrection& depth = camera.depth_correction;
+    depth.delay = rounded(depth.delay + p[delay_parameter], 1e6);
+    depth.bias = rounded(depth.bias + p[bias_parameter], 1e5);
     if (const auto reason = camera.check()) {
       throw Error("calibrate: what was found makes no camera (" + *reason +
                   "); give a camera file that is nearer to the truth");
     }
     state_.config.camera = camera;
-    state_.depth.delay = rounded(state_.depth.delay + p[delay_parameter], 1e-6);
-    state_.depth.bias = rounded(state_.depth.bias + p[bias_parameter], 1e-5);
     out_.noise = found.noise;
     out_.windows = static_cast<int>(windows.size());
     out_.sightings = found.sightings;
@@ -186,8 +192,8 @@ class Calibrator {
   }
 
   void take_focal(Camera& camera) const {
-    camera.fx = rounded(camera.fx, 1e-3);
-    camera.fy = rounded(camera.fy, 1e-3);
+    camera.fx = rounded(camera.fx, 1e3);
+    camera.fy = rounded(camera.fy, 1e3);
     const double worst =
         std::max(sigmas_[fx_parameter] / camera.fx, sigmas_[fy_parameter] / camera.fy);
     if (worst <= options_.most_focal_sigma) return;
@@ -198,8 +204,8 @@ class Calibrator {
   }
 
   void take_principal_point(Camera& camera) const {
-    camera.cx = rounded(camera.cx, 1e-3);
-    camera.cy = rounded(camera.cy, 1e-3);
+    camera.cx = rounded(camera.cx, 1e3);
+    camera.cy = rounded(camera.cy, 1e3);
     const double worst = std::max(sigmas_[cx_parameter], sigmas_[cy_parameter]);
     const double most = options_.most_principal_point_sigma * camera.width / 640.0;
     if (worst <= most) return;
@@ -209,11 +215,24 @@ class Calibrator {
         worst, most));
   }
 
+  void take_depth_distortion(const DepthDistortion::Terms& found, Camera& camera) const {
+    auto& coefficients = camera.depth_correction.distortion.coefficients;
+    for (int i = 0; i < DepthDistortion::size; ++i)
+      coefficients[i] = rounded(coefficients[i] + found[i], 1e5);
+    const double worst = depth_distortion_of(sigmas_).maxCoeff();
+    if (worst <= options_.most_depth_distortion_sigma) return;
+    throw Error(fmt::format(
+        "calibrate: the depth distortion would be known to {:.4f} 1/metre, {:g} are needed; show "
+        "the same things in the middle and at all borders of the image, or leave out "
+        "--depth-distortion",
+        worst, options_.most_depth_distortion_sigma));
+  }
+
   void find_scale() {
     if (options_.lengths.empty()) return;
     double sum = 0.0, weights = 0.0;
     for (const KnownLength& length : options_.lengths) {
-      const auto source = sequences_.front().open(state_.config.camera, state_.depth);
+      const auto source = sequences_.front().open(state_.config.camera);
       const MeasuredLength m =
           measure_length(length, *source, state_.config.camera, state_.first_path);
       const double weight = std::pow(length.metres / m.sigma, 2);
@@ -221,6 +240,7 @@ class Calibrator {
       weights += weight;
     }
     // Too long by this factor: as many more units make a metre, and of the bias as much less.
+    // Inverse depths grow by it.
     const double factor = sum / weights;
     if (std::abs(factor - 1.0) > 0.3) {
       throw Error(
@@ -230,20 +250,21 @@ class Calibrator {
     }
     Camera& camera = state_.config.camera;
     scale_sigma_ = camera.depth_scale * factor / std::sqrt(weights);
-    camera.depth_scale = rounded(camera.depth_scale * factor, 1e-2);
-    state_.depth.bias = rounded(state_.depth.bias / factor, 1e-5);
+    camera.depth_scale = rounded(camera.depth_scale * factor, 1e2);
+    DepthCorrection& depth = camera.depth_correction;
+    depth.bias = rounded(depth.bias / factor, 1e5);
+    for (double& c : depth.distortion.coefficients) c = rounded(c * factor, 1e5);
   }
 
   void list_values() {
     out_.camera = state_.config.camera;
-    out_.depth = state_.depth;
     const Camera& c = out_.camera;
     auto& v = out_.values;
     v.push_back({"readout", "s", start_.readout, c.readout, sigmas_[readout_parameter], true, ""});
-    v.push_back({"depth_delay", "s", start_depth_.delay, out_.depth.delay, sigmas_[delay_parameter],
-                 true, ""});
-    v.push_back({"depth_bias", "m", start_depth_.bias, out_.depth.bias, sigmas_[bias_parameter],
-                 free_[bias_parameter], ""});
+    v.push_back({"depth_delay", "s", start_.depth_correction.delay, c.depth_correction.delay,
+                 sigmas_[delay_parameter], true, ""});
+    v.push_back({"depth_bias", "m", start_.depth_correction.bias, c.depth_correction.bias,
+                 sigmas_[bias_parameter], free_[bias_parameter], ""});
     if (!options_.bias) {
       v.back().reason = "it is sought with --bias";
     } else if (!free_[bias_parameter]) {
@@ -255,6 +276,7 @@ class Calibrator {
                  !options_.lengths.empty(), ""});
     if (options_.lengths.empty())
       v.back().reason = "images alone do not tell it: give a known length, --length";
+    list_depth_distortion();
     const auto lens = [&](const char* key, double before, double value, int parameter) {
       if (free_[static_cast<std::size_t>(parameter)])
         v.push_back({key, parameter < k1_parameter ? "px" : "", before, value, sigmas_[parameter],
@@ -272,11 +294,22 @@ class Calibrator {
     lens("k3", a.k3, b.k3, k3_parameter);
   }
 
+  void list_depth_distortion() {
+    if (!options_.depth_distortion) return;
+    static const std::array<const char*, DepthDistortion::size> terms = {
+        "x", "y", "xx", "xy", "yy", "xxx", "xxy", "xyy", "yyy"};
+    for (int i = 0; i < DepthDistortion::size; ++i) {
+      out_.values.push_back({fmt::format("depth_{}", terms[static_cast<std::size_t>(i)]), "1/m",
+                             start_.depth_correction.distortion.coefficients[i],
+                             out_.camera.depth_correction.distortion.coefficients[i],
+                             sigmas_[depth_distortion_parameter + i], true, ""});
+    }
+  }
+
   const std::vector<CalibrationSequence>& sequences_;
   const CalibrationOptions& options_;
   const CalibrationProgress& progress_;
   Camera start_;
-  DepthCorrection start_depth_;
   State state_;
   ParameterChoice free_{};
   Parameters sigmas_ = Parameters::Zero();
@@ -287,10 +320,9 @@ class Calibrator {
 }  // namespace
 
 Calibration calibrate(const std::vector<CalibrationSequence>& sequences, const SlamConfig& config,
-                      const DepthCorrection& depth, const CalibrationOptions& options,
-                      const CalibrationProgress& progress) {
+                      const CalibrationOptions& options, const CalibrationProgress& progress) {
   if (sequences.empty()) throw Error("calibrate: no sequence; give at least one");
-  return Calibrator(sequences, config, depth, options, progress).run();
+  return Calibrator(sequences, config, options, progress).run();
 }
 
 std::string calibration_text(const Calibration& calibration, const std::string& made_by) {
@@ -307,7 +339,7 @@ std::string calibration_text(const Calibration& calibration, const std::string& 
       text += fmt::format("#   {:<12} as it was: {}\n", v.key, v.reason);
     }
   }
-  return text + camera_text(calibration.camera, calibration.depth);
+  return text + camera_text(calibration.camera);
 }
 
 }  // namespace dkp_slam

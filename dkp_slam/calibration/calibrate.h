@@ -18,7 +18,7 @@ namespace dkp_slam {
 /// A sequence that can be played several times, each time with another camera file.
 struct CalibrationSequence {
   std::string name;
-  std::function<std::unique_ptr<RgbdSource>(const Camera&, const DepthCorrection&)> open;
+  std::function<std::unique_ptr<RgbdSource>(const Camera&)> open;
 };
 
 struct CalibrationOptions {
@@ -27,6 +27,7 @@ struct CalibrationOptions {
   bool focal = false;                ///< also find fx and fy
   bool principal_point = false;      ///< also find cx and cy
   bool distortion = false;           ///< also find k1, k2, p1, p2, k3
+  bool depth_distortion = false;     ///< also find how depth is off across the image
   std::vector<KnownLength> lengths;  ///< in the first sequence; give the depth scale
   /// The map is made anew with what was found until that changes no more.
   int rounds = 3;
@@ -36,6 +37,8 @@ struct CalibrationOptions {
   double most_focal_sigma = 0.01;
   /// Of the principal point, in pixels of an image 640 wide.
   double most_principal_point_sigma = 1.5;
+  /// Of each coefficient of the depth distortion, 1/metre.
+  double most_depth_distortion_sigma = 0.002;
   WindowOptions windows;
   const std::atomic<bool>* stop = nullptr;  ///< ends it with an `Error` when set; may be null
 };
@@ -50,7 +53,6 @@ struct FoundValue {
 
 struct Calibration {
   Camera camera;
-  DepthCorrection depth;
   std::vector<FoundValue> values;
   MeasuredNoise noise;
   int rounds = 0, frames = 0, windows = 0, sightings = 0, depths = 0;
@@ -63,12 +65,11 @@ struct Calibration {
 /// Told how far it has come: frames done of all frames of all sequences of a round.
 using CalibrationProgress = std::function<void(int round, std::size_t frame, std::size_t frames)>;
 
-/// Finds what a camera file says wrongly, from the images alone. `config` and `depth` hold what the
+/// Finds what a camera file says wrongly, from the images alone. `config` holds what the camera
 /// file says until now; its mode decides what is done about people. Throws `Error` with the reason
 /// when the motion does not tell, and when nothing can be localised.
 Calibration calibrate(const std::vector<CalibrationSequence>& sequences, const SlamConfig& config,
-                      const DepthCorrection& depth, const CalibrationOptions& options,
-                      const CalibrationProgress& progress = {});
+                      const CalibrationOptions& options, const CalibrationProgress& progress = {});
 
 /// The camera file with what was found and how sure it is, as comments. `made_by`: one line.
 std::string calibration_text(const Calibration& calibration, const std::string& made_by);

@@ -13,7 +13,9 @@ enum Parameter : int {
   readout_parameter,  ///< seconds
   delay_parameter,    ///< seconds, of depth, beyond what the frames' stamps say
   bias_parameter,     ///< metres, to be added to depth as the frames hold it
-  fx_parameter,
+  /// 1/metre, the first of the coefficients to be added to those of the depth distortion.
+  depth_distortion_parameter,
+  fx_parameter = depth_distortion_parameter + DepthDistortion::size,
   fy_parameter,
   cx_parameter,
   cy_parameter,
@@ -35,7 +37,8 @@ constexpr int lens_parameters = parameter_count - first_lens_parameter;
 inline Parameters parameters_of(const Camera& c) {
   const Distortion& d = c.distortion;
   Parameters p;
-  p << c.readout, 0.0, 0.0, c.fx, c.fy, c.cx, c.cy, d.k1, d.k2, d.p1, d.p2, d.k3;
+  p << c.readout, 0.0, 0.0, DepthDistortion::Terms::Zero(), c.fx, c.fy, c.cx, c.cy, d.k1, d.k2,
+      d.p1, d.p2, d.k3;
   return p;
 }
 
@@ -49,6 +52,11 @@ inline Camera with_parameters(Camera camera, const Parameters& p) {
   camera.distortion = {p[k1_parameter], p[k2_parameter], p[p1_parameter], p[p2_parameter],
                        p[k3_parameter]};
   return camera;
+}
+
+/// What is to be added to the coefficients of the depth distortion.
+inline DepthDistortion::Terms depth_distortion_of(const Parameters& p) {
+  return p.segment<DepthDistortion::size>(depth_distortion_parameter);
 }
 
 }  // namespace dkp_slam

@@ -41,7 +41,7 @@ bool pixel_residual(const T* pose, const T* point, const L* lens, const TimedSig
 }
 
 template <class T, class L>
-bool depth_residual(const T* pose, const T* point, const L* lens, double bias,
+bool depth_residual(const T* pose, const T* point, const L* lens, double bias, double distortion,
                     const TimedSighting& seen, T* r) {
   const std::array<T, 3> p = in_camera(pose, point);
   if (p[2] < nearest) return false;
@@ -53,7 +53,7 @@ bool depth_residual(const T* pose, const T* point, const L* lens, double bias,
   // correcting what it said, a large bias would make all errors small.
   const T sensed = p[2] - bias;
   if (sensed < nearest) return false;
-  r[0] = 1.0 / sensed - measured;
+  r[0] = 1.0 / sensed - distortion - measured;
   return true;
 }
 
@@ -117,18 +117,21 @@ ErrorTerm<2> pixel_error(const MotionSpline& motion, const Eigen::Vector3d& poin
 ErrorTerm<1> depth_error(const MotionSpline& motion, const Eigen::Vector3d& point,
                          const TimedSighting& seen, const Parameters& parameters, bool lens) {
   const double bias = parameters[bias_parameter];
+  const double distortion = depth_distortion_of(parameters).dot(seen.depth_terms);
   const double row_delay = seen.depth_row_delay.value_or(seen.row * parameters[readout_parameter]);
   const double time = seen.depth_time + parameters[delay_parameter] + row_delay;
   auto term = term_at<1>(motion, time, point, parameters, lens,
                          [&](const auto* pose, const auto* x, const auto* l, auto* r) {
-                           return depth_residual(pose, x, l, bias, seen, r);
+                           return depth_residual(pose, x, l, bias, distortion, seen, r);
                          });
   if (!term.valid) return term;
   if (!seen.depth_row_delay) term.by_parameter.col(readout_parameter) = seen.row * term.by_time;
   term.by_parameter.col(delay_parameter) = term.by_time;
-  // By the bias of 1 / (z - bias), which is what was measured but for the error.
-  const double sensed = term.error[0] + seen.depth.inverse;
+  // By the bias of 1 / (z - bias), which is what was measured but for error and distortion.
+  const double sensed = term.error[0] + seen.depth.inverse + distortion;
   term.by_parameter(0, bias_parameter) = sensed * sensed;
+  term.by_parameter.middleCols<DepthDistortion::size>(depth_distortion_parameter) =
+      -seen.depth_terms.transpose();
   return term;
 }
 

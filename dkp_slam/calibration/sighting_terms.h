@@ -18,6 +18,7 @@ struct TimedSighting {
   /// Seconds, of its row in the depth image after the middle one's, where the camera's
   /// `depth_readout` is known; nothing: as in the colour image.
   std::optional<double> depth_row_delay;
+  DepthDistortion::Terms depth_terms = DepthDistortion::Terms::Zero();  ///< at the patch's pixel
 };
 
 /// An error and its derivatives.

@@ -13,6 +13,7 @@ namespace dkp_slam::testing {
 struct World {
   double readout = 0.02, delay = 0.008, bias = 0.03;
   std::optional<double> depth_readout;  ///< nothing: as readout
+  DepthDistortion distortion;
   double pixel_noise = 0.5;
   double turn = 0.15, way = 0.10;  ///< amplitudes, radians and metres
   /// Instead of both: moves evenly, metres per second.
@@ -94,7 +95,9 @@ inline std::vector<SightedFrame> frames_of(const World& world) {
       seen.depth.pixel = seen_pixel(world, camera, points[k], frame.time + world.delay,
                                     world.depth_readout.value_or(world.readout), &later_z);
       const double noise = 0.3 * camera.depth_noise.sigma(later_z) * normal(random);
-      seen.depth.inverse = 1.0 / (later_z - world.bias + noise);
+      seen.depth.inverse = 1.0 / (later_z - world.bias + noise) -
+                           world.distortion.coefficients.dot(DepthDistortion::terms(
+                               seen.depth.pixel, {camera.width, camera.height}));
       seen.pixel.x() += world.pixel_noise * normal(random);
       seen.pixel.y() += world.pixel_noise * normal(random);
       frame.sightings.push_back(seen);

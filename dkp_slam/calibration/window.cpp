@@ -87,8 +87,9 @@ void add_points(Frames frames, const Camera& camera, const WindowOptions& option
       const auto row_delay = camera.depth_readout
                                  ? std::optional(depth_row_delay(camera, s->pixel.y()))
                                  : std::nullopt;
-      point.seen.push_back(
-          {frame->time, frame->depth_time, row, s->pixel, s->sigma, s->depth, row_delay});
+      point.seen.push_back({frame->time, frame->depth_time, row, s->pixel, s->sigma, s->depth,
+                            row_delay,
+                            DepthDistortion::terms(s->depth.pixel, {camera.width, camera.height})});
     }
     window.points.push_back(std::move(point));
   }

@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "dkp_slam/geometry/depth_correction.h"
+
 namespace dkp_slam {
 
 /// Brown-Conrady lens distortion, coefficients as in OpenCV and the TUM benchmark.
@@ -45,6 +47,8 @@ struct Camera {
   /// stereo cameras with a global shutter have 0.
   std::optional<double> depth_readout;
   DepthNoise depth_noise;
+  /// What is wrong with its depth images as they come; frames have been put right.
+  DepthCorrection depth_correction;
 
   /// Undistorted pixel of a point in the camera frame (z > 0 is the caller's duty).
   Eigen::Vector2d project(const Eigen::Vector3d& point) const {
@@ -61,6 +65,13 @@ struct Camera {
 
   /// Seconds from the depth image's first row's moment to the last one's.
   double readout_of_depth() const { return depth_readout.value_or(readout); }
+
+  /// The camera of images that have been put right and are stored so.
+  Camera of_corrected_images() const {
+    Camera camera = *this;
+    camera.depth_correction = {};
+    return camera;
+  }
 
   cv::Matx33d matrix() const { return {fx, 0, cx, 0, fy, cy, 0, 0, 1}; }
 

@@ -87,17 +87,38 @@ class Fields {
   std::map<std::string, int> lines_;  ///< from 0
 };
 
+/// Of a key that is there; `wanted`: what it must be.
+template <std::size_t Size>
+std::array<double, Size> read_numbers(const Fields& fields, const std::string& key,
+                                      const char* wanted) {
+  const YAML::Node& node = fields.node(key);
+  if (!node.IsSequence() || node.size() != Size) fields.fail(key, wanted);
+  std::array<double, Size> values{};
+  for (std::size_t i = 0; i < Size; ++i) values[i] = fields.number(key, node[i]);
+  return values;
+}
+
 Distortion read_distortion(const Fields& fields) {
-  constexpr std::size_t coefficients = 5;
-  const YAML::Node& node = fields.node("distortion");
-  if (!node.IsSequence() || node.size() != coefficients) {
-    fields.fail("distortion", "must be five numbers, [k1, k2, p1, p2, k3]; 0 for those unknown");
-  }
-  std::array<double, coefficients> values{};
-  for (std::size_t i = 0; i < coefficients; ++i) {
-    values[i] = fields.number("distortion", node[i]);
-  }
+  const auto values = read_numbers<5>(
+      fields, "distortion", "must be five numbers, [k1, k2, p1, p2, k3]; 0 for those unknown");
   return {values[0], values[1], values[2], values[3], values[4]};
+}
+
+DepthDistortion read_depth_distortion(const Fields& fields) {
+  const std::string key = "depth_distortion";
+  const auto values = read_numbers<DepthDistortion::size>(
+      fields, key,
+      "must be nine numbers, those of x, y, x^2, xy, y^2, x^3, x^2 y, x y^2, y^3; 0 for those "
+      "unknown");
+  constexpr double most = 0.1;  // 1/metre: a tenth of the depth at one metre
+  DepthDistortion distortion;
+  for (int i = 0; i < DepthDistortion::size; ++i) {
+    distortion.coefficients[i] = values[static_cast<std::size_t>(i)];
+    if (std::abs(distortion.coefficients[i]) > most) {
+      fields.fail(key, "must be numbers between -0.1 and 0.1 1/metre");
+    }
+  }
+  return distortion;
 }
 
 YAML::Node parse_file(const std::string& path) {
@@ -115,8 +136,8 @@ Fields read_fields(const std::string& path, const YAML::Node& node) {
   return {path,
           node,
           {"name", "width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale",
-           "depth_delay", "depth_bias", "min_depth", "max_depth", "baseline", "frame_rate",
-           "readout", "depth_readout", "depth_noise"}};
+           "depth_delay", "depth_bias", "depth_distortion", "min_depth", "max_depth", "baseline",
+           "frame_rate", "readout", "depth_readout", "depth_noise"}};
 }
 
 /// Throws where a value is so large that it must have another unit.
@@ -131,6 +152,7 @@ DepthCorrection read_depth_correction(const Fields& fields) {
   if (std::abs(depth.bias) > most) {
     fields.fail("depth_bias", "must lie between -0.5 and 0.5 metres");
   }
+  if (fields.has("depth_distortion")) depth.distortion = read_depth_distortion(fields);
   return depth;
 }
 
@@ -161,7 +183,7 @@ Camera camera_of(const std::string& path, const YAML::Node& node) {
     noise.get("constant", &camera.depth_noise.constant);
     noise.get("quadratic", &camera.depth_noise.quadratic);
   }
-  read_depth_correction(fields);
+  camera.depth_correction = read_depth_correction(fields);
   if (const auto reason = camera.check()) {
     // The reason begins with the field's name, which gives the line.
     const std::string key = reason->substr(0, reason->find(' '));
@@ -184,11 +206,8 @@ Camera parse_camera(const std::string& text, const std::string& name) {
   return camera_of(name, node);
 }
 
-DepthCorrection load_depth_correction(const std::string& path) {
-  return read_depth_correction(read_fields(path, parse_file(path)));
-}
-
-std::string camera_text(const Camera& camera, const DepthCorrection& depth) {
+std::string camera_text(const Camera& camera) {
+  const DepthCorrection& depth = camera.depth_correction;
   const Distortion& d = camera.distortion;
   std::string text;
   const auto line = [&text](const std::string& item, const char* comment) {
@@ -209,6 +228,10 @@ std::string camera_text(const Camera& camera, const DepthCorrection& depth) {
   line(fmt::format("depth_scale: {}", camera.depth_scale), "depth image units per metre");
   line(fmt::format("depth_delay: {}", depth.delay), "seconds, of depth after its time stamp");
   line(fmt::format("depth_bias: {}", depth.bias), "metres to be added to each depth");
+  if (!depth.distortion.none()) {
+    text += fmt::format("depth_distortion: [{}]  # 1/metre, see docs/calibration.md\n",
+                        fmt::join(depth.distortion.coefficients, ", "));
+  }
   line(fmt::format("min_depth: {}", camera.min_depth), "metres; nearer readings are unknown");
   line(fmt::format("max_depth: {}", camera.max_depth), "metres; farther readings are unknown");
   line(fmt::format("baseline: {}", camera.baseline), "metres, of the virtual right camera");
@@ -223,9 +246,9 @@ std::string camera_text(const Camera& camera, const DepthCorrection& depth) {
   return text;
 }
 
-void save_camera(const Camera& camera, const std::string& path, const DepthCorrection& depth) {
+void save_camera(const Camera& camera, const std::string& path) {
   std::ofstream file(path);
-  file << camera_text(camera, depth);
+  file << camera_text(camera);
   file.close();
   if (!file) throw Error(path + ": cannot write the camera file");
 }

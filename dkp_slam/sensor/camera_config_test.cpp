@@ -108,6 +108,28 @@ TEST(CameraConfig, ReadsBackWhatItWrites) {
   EXPECT_EQ(load_camera(path).depth_readout, 0.0);
 }
 
+TEST(CameraConfig, ReadsWhatDepthIsOffBy) {
+  const std::string path =
+      write_camera(valid +
+                   "depth_delay: -0.02\ndepth_bias: 0.1\n"
+                   "depth_distortion: [0.01, -0.02, 0.03, 0, 0, 0, 1e-3, 0, 0.09]\n");
+  const Camera camera = load_camera(path);
+  const DepthCorrection& depth = camera.depth_correction;
+  EXPECT_EQ(depth.delay, -0.02);
+  EXPECT_EQ(depth.bias, 0.1);
+  EXPECT_EQ(depth.distortion.coefficients[1], -0.02);
+  EXPECT_EQ(depth.distortion.coefficients[6], 1e-3);
+  EXPECT_EQ(depth.distortion.coefficients[8], 0.09);
+  save_camera(camera, path);
+  EXPECT_EQ(load_camera(path).depth_correction.distortion.coefficients,
+            depth.distortion.coefficients);
+  EXPECT_EQ(load_camera(path).depth_correction.delay, -0.02);
+  save_camera(camera.of_corrected_images(), path);
+  EXPECT_TRUE(load_camera(path).depth_correction.distortion.none());
+  EXPECT_EQ(load_camera(path).depth_correction.delay, 0.0);
+  EXPECT_TRUE(load_camera(write_camera(valid)).depth_correction.distortion.none());
+}
+
 TEST(CameraConfig, NamesLineAndFieldOfBadValues) {
   EXPECT_THAT(error_of(with("fx: 500.5", "fx: 0")), HasSubstr(":4: fx"));
   EXPECT_THAT(error_of(with("fx: 500.5", "fx: -3")), HasSubstr(":4: fx"));
@@ -123,6 +145,13 @@ TEST(CameraConfig, NamesLineAndFieldOfBadValues) {
   EXPECT_THAT(error_of(with("width: 640", "width: 640.5")), HasSubstr(":2: width"));
   EXPECT_THAT(error_of(with("-0.2,", "")), HasSubstr(":8: distortion: must be five numbers"));
   EXPECT_THAT(error_of(with("-0.2", ".nan")), HasSubstr(":8: distortion: must be finite"));
+  EXPECT_THAT(error_of(valid + "depth_distortion: [0.1]\n"),
+              HasSubstr(":10: depth_distortion: must be nine numbers"));
+  EXPECT_THAT(error_of(valid + "depth_distortion: 0.1\n"), HasSubstr("must be nine numbers"));
+  EXPECT_THAT(error_of(valid + "depth_distortion: [0, 0, 0, 0, 0, 0, 0, 0, .nan]\n"),
+              HasSubstr(":10: depth_distortion: must be finite"));
+  EXPECT_THAT(error_of(valid + "depth_distortion: [0, 0, 0, 0, 0, 0, 0, 0, 0.2]\n"),
+              HasSubstr("must be numbers between -0.1 and 0.1 1/metre"));
   EXPECT_THAT(error_of(valid + "max_depth: 0.1\n"), HasSubstr("min_depth and max_depth"));
   EXPECT_THAT(error_of(valid + "depth_noise: 3\n"), HasSubstr(":10:"));
   EXPECT_THAT(error_of(valid + "depth_noise:\n  linear: 3\n"),

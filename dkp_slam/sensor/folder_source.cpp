@@ -43,7 +43,7 @@ class FolderSource : public RgbdSource {
   FolderSource(FolderImages images, const Camera& camera, const TumOptions& options)
       : folder_(std::move(images.folder)),
         camera_(camera),
-        correction_(options.depth),
+        corrector_(camera.depth_correction, {camera.width, camera.height}),
         pairs_(chosen(folder_, std::move(images.pairs), options)),
         fit_(std::move(images.fit)),
         reader_(most_pixels(camera)) {
@@ -117,14 +117,13 @@ class FolderSource : public RgbdSource {
     RgbdFrame frame;
     frame.index = static_cast<int>(index);
     frame.timestamp = pair.timestamp;
-    frame.depth_delay = pair.depth_timestamp + correction_.delay - pair.timestamp;
+    frame.depth_delay = pair.depth_timestamp + camera_.depth_correction.delay - pair.timestamp;
     frame.colour = std::move(colour.image);
     if (fit_ && fit_->unknown() != 0) depth.image.setTo(0, depth.image == fit_->unknown());
     frame.depth =
         depth_in_metres(depth.image, camera_.depth_scale, camera_.min_depth, camera_.max_depth);
     if (fit_) fit_->apply(frame.colour, frame.depth);
-    if (correction_.bias != 0.0)
-      cv::add(frame.depth, correction_.bias, frame.depth, frame.depth > 0);
+    corrector_.apply(frame.depth);
     return frame;
   }
 
@@ -157,7 +156,7 @@ class FolderSource : public RgbdSource {
 
   std::string folder_;
   Camera camera_;
-  DepthCorrection correction_;
+  DepthCorrector corrector_;
   std::vector<ImagePair> pairs_;
   std::unique_ptr<ImageFit> fit_;
   ImageReader reader_;

@@ -4,8 +4,6 @@
 #include <filesystem>
 #include <optional>
 
-#include "dkp_slam/sensor/camera_config.h"
-
 namespace dkp_slam {
 
 /// How a folder of images is read.
@@ -20,8 +18,6 @@ struct TumOptions {
   /// Folder of masks (RgbdFrame::mask), each named like its colour image: STEM.png, 8-bit grey, of
   /// the image's size. Empty: none are read.
   std::filesystem::path masks;
-  /// Of the camera file: the delay is added to RgbdFrame::depth_delay, the bias to known depths.
-  DepthCorrection depth;
 };
 
 }  // namespace dkp_slam

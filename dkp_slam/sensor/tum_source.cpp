@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<ImagePair> pair_by_time(const fs::path& folder, const TumOptions& options) {
-  const double max_difference = options.max_difference;
+std::vector<ImagePair> pair_by_time(const fs::path& folder, double depth_delay,
+                                    double max_difference) {
   for (const char* list : {"rgb.txt", "depth.txt"}) {
     if (!fs::exists(folder / list)) {
       throw Error(
@@ -37,7 +37,7 @@ std::vector<ImagePair> pair_by_time(const fs::path& folder, const TumOptions& op
   };
   std::vector<ImagePair> pairs;
   for (const auto& [c, d] :
-       associate(moments(colour, 0.0), moments(depth, options.depth.delay), max_difference)) {
+       associate(moments(colour, 0.0), moments(depth, depth_delay), max_difference)) {
     pairs.push_back({colour[c].timestamp, colour[c].path, depth[d].path, depth[d].timestamp});
   }
   if (pairs.empty()) {
@@ -75,21 +75,22 @@ void pair_by_moment(std::vector<ImagePair>& pairs, double delay) {
   }
 }
 
-std::vector<ImagePair> list_pairs(const fs::path& folder, const TumOptions& options) {
+std::vector<ImagePair> list_pairs(const fs::path& folder, double depth_delay,
+                                  double max_difference) {
   if (!fs::exists(folder)) throw Error(folder.string() + ": no such folder; check the path");
   if (!fs::is_directory(folder)) {
     throw Error(folder.string() + ": is no folder; give the folder that holds rgb.txt");
   }
-  if (!(options.max_difference > 0.0)) throw Error("max_difference must be above 0 s");
+  if (!(max_difference > 0.0)) throw Error("max_difference must be above 0 s");
   std::vector<ImagePair> pairs;
   if (const fs::path list = folder / "associations.txt"; fs::exists(list)) {
     pairs = read_associations(list);
     if (pairs.empty()) {
       throw Error(list.string() + ": names no images; delete it to associate by time stamp");
     }
-    if (options.depth.delay != 0.0) pair_by_moment(pairs, options.depth.delay);
+    if (depth_delay != 0.0) pair_by_moment(pairs, depth_delay);
   } else {
-    pairs = pair_by_time(folder, options);
+    pairs = pair_by_time(folder, depth_delay, max_difference);
   }
   return pairs;
 }
@@ -98,7 +99,9 @@ std::vector<ImagePair> list_pairs(const fs::path& folder, const TumOptions& opti
 
 std::unique_ptr<RgbdSource> open_tum_folder(const std::string& folder, const Camera& camera,
                                             const TumOptions& options) {
-  return play_folder({folder, list_pairs(folder, options), nullptr}, camera, options);
+  return play_folder(
+      {folder, list_pairs(folder, camera.depth_correction.delay, options.max_difference), nullptr},
+      camera, options);
 }
 
 }  // namespace dkp_slam

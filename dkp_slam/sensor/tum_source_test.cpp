@@ -69,8 +69,9 @@ class TumSourceTest : public ::testing::Test {
     write("rgb.txt", rgb_lines);
     write("depth.txt", depth_lines);
   }
-  std::unique_ptr<RgbdSource> open(const TumOptions& options = {}) const {
-    return open_tum_folder(folder_, small_camera(), options);
+  std::unique_ptr<RgbdSource> open(const TumOptions& options = {},
+                                   const Camera& camera = small_camera()) const {
+    return open_tum_folder(folder_, camera, options);
   }
   /// The message of the error that opening and reading everything gives.
   std::string error() const {
@@ -149,8 +150,9 @@ TEST_F(TumSourceTest, PairsByTheMomentWhenDepthIsTakenBesideItsStamp) {
         "1.000 rgb/1.png 1.005 depth/1.png\n2.000 rgb/2.png 2.005 depth/2.png\n"
         "3.000 rgb/3.png 3.005 depth/3.png\n");
   TumOptions options;
-  options.depth.delay = -0.7;
-  const auto listed = open(options);
+  Camera camera = small_camera();
+  camera.depth_correction.delay = -0.7;
+  const auto listed = open(options, camera);
   for (const auto& [number, delay] :
        std::vector<std::pair<int, double>>{{2, 0.305}, {3, 0.305}, {3, -0.695}}) {
     const auto frame = listed->read();
@@ -162,12 +164,24 @@ TEST_F(TumSourceTest, PairsByTheMomentWhenDepthIsTakenBesideItsStamp) {
 
   fs::remove(folder_ / "associations.txt");
   options.max_difference = 0.4;
-  const auto stamped = open(options);
+  const auto stamped = open(options, camera);
   const auto first = stamped->read();
   ASSERT_TRUE(first);
   EXPECT_EQ(first->timestamp, 0.0);
   EXPECT_NEAR(first->depth_delay, 0.305, 1e-9);
   EXPECT_FLOAT_EQ(stamped->read()->depth.at<float>(0, 0), 1.0F);
+}
+
+TEST_F(TumSourceTest, PutsDepthRight) {
+  Camera camera = small_camera();
+  camera.depth_correction.bias = 0.25;
+  camera.depth_correction.distortion.coefficients << 0.1, 0, 0, 0, 0, 0, 0, 0, 0;
+  const auto source = open({}, camera);
+  for (int i = 0; i < 4; ++i) source->read();
+  const cv::Mat depth = source->read()->depth;  // 2 m everywhere
+  EXPECT_FLOAT_EQ(depth.at<float>(3, width / 2), 2.25F);
+  EXPECT_FLOAT_EQ(depth.at<float>(3, 0), 1.0F / (0.5F - 0.1F) + 0.25F);
+  EXPECT_FLOAT_EQ(depth.at<float>(20, 3 * width / 4), 1.0F / (0.5F + 0.05F) + 0.25F);
 }
 
 TEST_F(TumSourceTest, TakesJpegAndGreyAndDeepAndAlphaColour) {
@@ -390,7 +404,7 @@ TEST(TumSource, ReadsRealSequencesAsOpenCvDoes) {
   const char* data = std::getenv("DKP_SLAM_DATA");
   if (data == nullptr) GTEST_SKIP() << "DKP_SLAM_DATA names no folder of sequences";
   const fs::path folder = fs::path(data) / "fr1_xyz";
-  const Camera camera = load_camera(DKP_SLAM_CONFIG_FOLDER "/tum_fr1.yaml");
+  const Camera camera = load_camera(DKP_SLAM_CONFIG_FOLDER "/tum_fr1.yaml").of_corrected_images();
   TumOptions options;
   options.frame_limit = 5;
   const auto source = open_tum_folder(folder, camera, options);

@@ -73,6 +73,9 @@ SyntheticSource::SyntheticSource(const SyntheticOptions& options) : options_(opt
   if (!options_.trajectory.empty()) recorded = recorded_motion(options_.trajectory);
   scenario_ = make_scenario(options_.scenario, options_.seed);
   if (recorded) scenario_.camera = recorded->motion;
+  DepthCorrection off;
+  off.distortion.coefficients = -options_.camera.depth_correction.distortion.coefficients;
+  distorter_ = DepthCorrector(off, {options_.camera.width, options_.camera.height});
   plan_frames(recorded ? std::optional(recorded->duration) : std::nullopt);
   SensorOptions sensor;
   sensor.noise = options_.kinect_noise;
@@ -128,7 +131,9 @@ cv::Mat SyntheticSource::sensed_depth(const cv::Mat& depth) const {
     sensed = depth.clone();
     sensed.setTo(0.0, (sensed < options_.camera.min_depth) | (sensed > options_.camera.max_depth));
   }
-  if (options_.depth_bias != 0.0) cv::subtract(sensed, options_.depth_bias, sensed, sensed > 0.0);
+  const double bias = options_.camera.depth_correction.bias;
+  if (bias != 0.0) cv::subtract(sensed, bias, sensed, sensed > 0.0);
+  distorter_.apply(sensed);
   return sensed;
 }
 
@@ -157,12 +162,11 @@ std::optional<RgbdFrame> SyntheticSource::read() {
   frame.colour = sensor_->expose(seen.radiance, time);
   cv::Mat later = seen.depth;
   const double depth_readout = options_.camera.readout_of_depth();
-  if (options_.depth_delay != 0.0 || depth_readout != rendering.readout) {
+  const double delay = options_.camera.depth_correction.delay;
+  if (delay != 0.0 || depth_readout != rendering.readout) {
     rendering.readout = depth_readout;
     rendering.samples = 1;  // more only make colours smoother
-    later =
-        renderer_->render(options_.camera, scenario_.camera, time + options_.depth_delay, rendering)
-            .depth;
+    later = renderer_->render(options_.camera, scenario_.camera, time + delay, rendering).depth;
   }
   frame.depth = sensed_depth(later);
   ++next_;

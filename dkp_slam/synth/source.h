@@ -26,12 +26,9 @@ struct SyntheticOptions {
   /// Without: exact depth within the range limits, colour with exposure, vignetting and motion
   /// blur.
   bool kinect_noise = true;
-  /// A readout time other than 0 makes it a rolling shutter.
+  /// A readout time other than 0 makes it a rolling shutter. Depth images are wrong in the way that
+  /// its `depth_correction` puts right.
   Camera camera = default_camera();
-  /// Seconds by which depth is taken after the time stamp that it shares with its colour image.
-  double depth_delay = 0.0;
-  /// Metres that depth images lack: to be added to what they say.
-  double depth_bias = 0.0;
   /// Camera path in TUM format instead of the scenario's own (see `recorded_motion`); empty: none.
   std::filesystem::path trajectory;
 
@@ -89,6 +86,7 @@ class SyntheticSource : public RgbdSource {
 
   SyntheticOptions options_;
   Scenario scenario_;
+  DepthCorrector distorter_;
   std::vector<std::size_t> arriving_;         ///< which of the frames that the camera takes
   std::unique_ptr<const Renderer> renderer_;  ///< made for the first frame
   std::optional<ColourSensor> sensor_;        ///< its exposure follows the frames

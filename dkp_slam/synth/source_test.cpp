@@ -162,6 +162,22 @@ TEST(SyntheticSource, NoiseDoesNotTouchTheTruth) {
   EXPECT_LT(known, 0.99);
 }
 
+/// What the camera file says puts the depth images right again.
+TEST(SyntheticSource, DepthIsOffAsAsked) {
+  SyntheticOptions o = small("static_room", 1);
+  o.kinect_noise = false;
+  SyntheticSource exact(o);
+  DepthCorrection& correction = o.camera.depth_correction;
+  correction.bias = 0.05;
+  correction.distortion.coefficients << 0.01, -0.005, 0.02, 0, 0, 0.003, 0, 0, 0.01;
+  SyntheticSource off(o);
+  const cv::Mat truth = exact.read()->depth;
+  cv::Mat depth = off.read()->depth;
+  EXPECT_GT(cv::norm(depth, truth, cv::NORM_INF), 0.1);
+  DepthCorrector(correction, depth.size()).apply(depth);
+  EXPECT_LT(cv::norm(depth, truth, cv::NORM_INF), 1e-4);
+}
+
 TEST(SyntheticSource, DropsFrames) {
   const SyntheticSource source(small("dropped_frames", 200));
   EXPECT_EQ(source.size(), 200U);

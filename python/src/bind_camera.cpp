@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -110,6 +111,9 @@ min_depth, max_depth: depth outside is unknown. frame_rate: images per second. r
 from the first row's exposure to the last one's, 0 for a global shutter. depth_readout: the same of
 the depth image; None: as readout, as in a Kinect.
 
+depth_delay, depth_bias and depth_distortion of a camera file (load) say how its depth images are
+off; TumFolder puts them right, Slam.feed takes depth as it comes.
+
 Raises ValueError for numbers that make no camera.)")
       .def(py::init(&make_camera), py::arg("width"), py::arg("height"), py::arg("fx"),
            py::arg("fy"), py::arg("cx"), py::arg("cy"), py::kw_only(),
@@ -143,6 +147,19 @@ Raises Error, which names file, line and field.)")
       .def_readonly("frame_rate", &Camera::frame_rate)
       .def_readonly("readout", &Camera::readout)
       .def_readonly("depth_readout", &Camera::depth_readout)
+      .def_property_readonly(
+          "depth_delay", [](const Camera& c) { return c.depth_correction.delay; },
+          "Seconds by which depth is taken after its time stamp.")
+      .def_property_readonly(
+          "depth_bias", [](const Camera& c) { return c.depth_correction.bias; },
+          "Metres to be added to each depth.")
+      .def_property_readonly(
+          "depth_distortion",
+          [](const Camera& c) {
+            const auto& d = c.depth_correction.distortion.coefficients;
+            return std::vector<double>(d.begin(), d.end());
+          },
+          "1/metre, nine coefficients of what is to be added to inverse depths.")
       .def_property_readonly("matrix", &matrix, "The 3 x 3 matrix of the pinhole, float64.")
       .def("__repr__", &text);
 }

@@ -124,6 +124,8 @@ def test_cameras_that_are_none():
 
 def test_shipped_cameras():
     camera = dkp_slam.Camera.load("fr1")
+    assert camera.depth_delay == -0.02 and camera.depth_bias == 0.0
+    assert len(camera.depth_distortion) == 9 and camera.depth_distortion[0] == -0.00823
     assert (camera.width, camera.height) == (640, 480) and camera.readout > 0
     assert camera.matrix[0, 0] == camera.fx and len(camera.distortion) == 5
     for name in "fr2", "fr3", "bonn":

@@ -55,7 +55,7 @@ class RosBagSource : public BagSource {
   std::size_t skipped() const override { return skipped_; }
   const std::optional<Camera>& own_camera() const override { return own_camera_; }
 
-  void use_camera(const Camera& camera, const DepthCorrection& correction) override {
+  void use_camera(const Camera& camera) override {
     const cv::Size colour = first_images_.colour.size(), depth = first_images_.depth.size();
     if (colour.width != camera.width || colour.height != camera.height) {
       fail(
@@ -79,7 +79,7 @@ class RosBagSource : public BagSource {
           depth.width, depth.height, colour.width, colour.height));
     }
     camera_ = camera;
-    correction_ = correction;
+    corrector_ = DepthCorrector(camera.depth_correction, {camera.width, camera.height});
   }
 
   std::optional<RgbdFrame> read() override {
@@ -281,13 +281,12 @@ class RosBagSource : public BagSource {
                        image == &images.depth ? topics_.depth : topics_.colour, image->cols,
                        image->rows, camera_.width, camera_.height));
     }
-    if (correction_.bias != 0.0)
-      cv::add(images.depth, correction_.bias, images.depth, images.depth > 0);
+    corrector_.apply(images.depth);
     keep_depth_range(images.depth, camera_.min_depth, camera_.max_depth);
     RgbdFrame frame;
     frame.index = index_;
     frame.timestamp = pair.colour_stamp;
-    frame.depth_delay = pair.depth_stamp - pair.colour_stamp + correction_.delay;
+    frame.depth_delay = pair.depth_stamp - pair.colour_stamp + camera_.depth_correction.delay;
     frame.colour = std::move(images.colour);
     frame.depth = std::move(images.depth);
     return frame;
@@ -301,7 +300,7 @@ class RosBagSource : public BagSource {
   std::optional<Camera> own_camera_, depth_camera_;
   std::optional<Se3> colour_from_device_, depth_from_device_;
   Camera camera_;
-  DepthCorrection correction_;
+  DepthCorrector corrector_;
   std::optional<DepthRegistration> registration_;
   std::unique_ptr<rosbag::View> view_;
   rosbag::View::iterator next_;

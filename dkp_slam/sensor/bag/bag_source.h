@@ -29,7 +29,7 @@ class BagSource : public RgbdSource {
   /// To be called before the first `read`: depth outside the camera's range becomes 0. Its
   /// depth_scale is not used: bags have their own (ROS: millimetres). Throws `Error` when the
   /// images have another size.
-  virtual void use_camera(const Camera& camera, const DepthCorrection& correction = {}) = 0;
+  virtual void use_camera(const Camera& camera) = 0;
 };
 
 /// Whether this file begins as a ROS 1 bag does.

@@ -112,7 +112,10 @@ TEST_F(BagSourceTest, DepthOutsideTheCamerasRangeIsUnknown) {
     bag.image("/depth/image", 1.0, depth, "16UC1");
   }
   const auto bag = open_bag(file());
-  bag->use_camera(*bag->own_camera(), {.delay = 0.01, .bias = 0.25});
+  Camera camera = *bag->own_camera();
+  camera.depth_correction.delay = 0.01;
+  camera.depth_correction.bias = 0.25;
+  bag->use_camera(camera);
   const auto frame = bag->read();
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->depth.at<float>(0, 0), 0.0F);

@@ -58,7 +58,7 @@ class FreenectSource : public KinectSource {
   std::size_t skipped() const override { return 0; }
   std::size_t lost() const override { return lost_; }
 
-  void use_camera(const Camera& camera, const DepthCorrection& correction) override {
+  void use_camera(const Camera& camera) override {
     if (camera.width != KinectDevice::width || camera.height != KinectDevice::height) {
       throw Error(
           fmt::format("kinect: its images are {} x {} pixels but the camera file says {} x "
@@ -66,7 +66,7 @@ class FreenectSource : public KinectSource {
                       KinectDevice::width, KinectDevice::height, camera.width, camera.height));
     }
     camera_ = camera;
-    correction_ = correction;
+    corrector_ = DepthCorrector(camera.depth_correction, {camera.width, camera.height});
   }
 
   std::optional<RgbdFrame> read() override {
@@ -186,17 +186,16 @@ class FreenectSource : public KinectSource {
     RgbdFrame frame;
     frame.index = index_++;
     frame.timestamp = pair.colour_stamp;
-    frame.depth_delay = pair.depth_stamp - pair.colour_stamp + correction_.delay;
+    frame.depth_delay = pair.depth_stamp - pair.colour_stamp + camera_.depth_correction.delay;
     cv::cvtColor(pair.colour, frame.colour, cv::COLOR_RGB2BGR);
     frame.depth = depth_in_metres(pair.depth, millimetres, camera_.min_depth, camera_.max_depth);
-    if (correction_.bias != 0.0)
-      cv::add(frame.depth, correction_.bias, frame.depth, frame.depth > 0);
+    corrector_.apply(frame.depth);
     return frame;
   }
 
   const KinectOptions options_;
   Camera camera_;
-  DepthCorrection correction_;
+  DepthCorrector corrector_;
   const Clock::time_point opened_ = Clock::now();
   double opened_wall_ = 0.0;
   int index_ = 0;

@@ -35,7 +35,7 @@ class KinectSource : public RgbdSource {
   /// To be called before the first `read`: depth outside the camera's range becomes 0. Its
   /// depth_scale is not used: a Kinect's is known. Throws `Error` when the images have another
   /// size.
-  virtual void use_camera(const Camera& camera, const DepthCorrection& correction = {}) = 0;
+  virtual void use_camera(const Camera& camera) = 0;
   /// Pairs that were lost so far.
   virtual std::size_t lost() const = 0;
 };

@@ -35,7 +35,7 @@ StreamWriter::StreamWriter(ByteOutput& output, const Camera& camera)
     : output_(output), camera_(camera) {}
 
 bool StreamWriter::begin() {
-  const std::string camera = camera_text(camera_);
+  const std::string camera = camera_text(camera_.of_corrected_images());
   return output_.write(stream::encode(header_of(camera_, camera.size())) + camera);
 }
 

@@ -58,7 +58,7 @@ const std::vector<std::string>& SequenceWriter::names() {
   return all;
 }
 
-SequenceWriter::SequenceWriter(fs::path out, const Camera& camera, const DepthCorrection& depth)
+SequenceWriter::SequenceWriter(fs::path out, const Camera& camera)
     : out_(std::move(out)), depth_scale_(camera.depth_scale) {
   try {
     for (const char* folder : image_folders) {
@@ -68,7 +68,7 @@ SequenceWriter::SequenceWriter(fs::path out, const Camera& camera, const DepthCo
     throw Error(
         fmt::format("{}: cannot make its folders: {}", out_.string(), error.code().message()));
   }
-  save_camera(camera, out_ / "camera.yaml", depth);
+  save_camera(camera, out_ / "camera.yaml");
 }
 
 void SequenceWriter::add(const RgbdFrame& frame, const SyntheticTruth& truth) {

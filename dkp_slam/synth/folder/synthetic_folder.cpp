@@ -31,6 +31,7 @@ void prepare_folder(const fs::path& out) {
 }
 
 void write_description(const fs::path& out, const SyntheticOptions& options, std::size_t frames) {
+  const DepthCorrection& depth = options.camera.depth_correction;
   const nlohmann::ordered_json description = {
       {"program", std::string("dkp-slam ") + DKP_SLAM_VERSION},
       {"scenario", options.scenario},
@@ -44,8 +45,10 @@ void write_description(const fs::path& out, const SyntheticOptions& options, std
       {"rolling_shutter", options.camera.readout > 0.0},
       {"readout", options.camera.readout},
       {"depth_scale", options.camera.depth_scale},
-      {"depth_delay", options.depth_delay},
-      {"depth_bias", options.depth_bias}};
+      {"depth_delay", depth.delay},
+      {"depth_bias", depth.bias},
+      {"depth_distortion", std::vector<double>(depth.distortion.coefficients.begin(),
+                                               depth.distortion.coefficients.end())}};
   write_file_atomically(out / marker, json_text(description) + "\n");
 }
 
@@ -69,7 +72,7 @@ std::size_t write_synthetic_folder(const fs::path& out, const SyntheticOptions& 
                                    SyntheticSource& source, const SynthProgress& go_on) {
   prepare_folder(out);
   write_description(out, options, *source.size());
-  SequenceWriter writer(out, options.camera, {options.depth_delay, options.depth_bias});
+  SequenceWriter writer(out, options.camera);
   std::size_t done = 0;
   try {
     while (go_on(done)) {
