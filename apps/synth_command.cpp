@@ -34,7 +34,6 @@ struct SynthArguments {
   std::optional<double> readout, depth_readout;
   double depth_scale = 5000.0;
   DepthCorrection depth;
-  std::vector<double> depth_distortion;
   bool force = false;
 };
 
@@ -57,8 +56,6 @@ SyntheticOptions options_of(const SynthArguments& arguments) {
   options.camera.depth_readout = arguments.depth_readout;
   options.camera.depth_scale = arguments.depth_scale;
   options.camera.depth_correction = arguments.depth;
-  std::copy(arguments.depth_distortion.begin(), arguments.depth_distortion.end(),
-            options.camera.depth_correction.distortion.coefficients.begin());
   return options;
 }
 
@@ -113,8 +110,13 @@ void add_depth_options(CLI::App& command, SynthArguments& arguments) {
       ->check(CLI::Range(-0.2, 0.2))
       ->capture_default_str();
   command
-      .add_option("--depth-distortion", arguments.depth_distortion,
-                  "By which depth images are off, as in camera.yaml: nine numbers, 1/metre")
+      .add_option_function<std::vector<double>>(
+          "--depth-distortion",
+          [&arguments](const std::vector<double>& nine) {
+            arguments.depth.distortion.coefficients =
+                Eigen::Map<const DepthDistortion::Terms>(nine.data());
+          },
+          "By which depth images are off, as in camera.yaml: nine numbers, 1/metre")
       ->expected(DepthDistortion::size)
       ->delimiter(',')
       ->check(CLI::Range(-0.1, 0.1));

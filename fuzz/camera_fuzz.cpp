@@ -14,6 +14,8 @@ void run(Bytes bytes) {
     require(camera_text(parse_camera(written, "written")) == written,
             "written and read it differs");
   });
+  const InputFile file(bytes);
+  takes([&] { load_camera(file.path()); });
 }
 
 std::vector<std::string> seeds() {

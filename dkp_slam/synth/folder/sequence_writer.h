@@ -17,7 +17,6 @@ namespace dkp_slam {
 class SequenceWriter {
  public:
   /// Into `out`, which must be there; writes camera.yaml and makes the image folders.
-  /// `depth`: what is wrong with the frames' depth, for camera.yaml.
   SequenceWriter(std::filesystem::path out, const Camera& camera);
 
   /// Everything this writes, folders and files, as names in `out`.
