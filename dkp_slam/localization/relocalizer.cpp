@@ -33,6 +33,35 @@ bool align(const Map& map, const MeasurementModel& model, std::uint64_t seed,
   return refine_pose(map, model, frame, matches) >= least_aligned;
 }
 
+bool lasts(const Landmark& landmark) {
+  constexpr int lasting = 4;  // frames that have found it
+  return landmark.found >= lasting;
+}
+
+/// Share of the map's landmarks that have been found for a while, from a thousand or two of them.
+double lasting_share(const Map& map) {
+  const std::vector<int> ids = map.landmarks();
+  const std::size_t step = 1 + ids.size() / 2000;
+  double lasting = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < ids.size(); i += step) {
+    lasting += lasts(map.landmark(ids[i]));
+    all += 1.0;
+  }
+  return all > 0.0 ? lasting / all : 0.0;
+}
+
+/// Whether enough of those that agree on a pose have been found for a while, as of the whole map.
+/// Where people hide the room a pose that follows them finds many landmarks, made on whoever stood
+/// still before the camera; but hardly one that has lasted.
+bool rests_on_what_lasts(const Map& map, const std::vector<FrameMatch>& matches) {
+  constexpr double least = 0.15;
+  const auto found = std::count_if(matches.begin(), matches.end(), [&](const FrameMatch& m) {
+    return lasts(map.landmark(m.landmark));
+  });
+  return static_cast<double>(found) >=
+         least * lasting_share(map) * static_cast<double>(matches.size());
+}
+
 /// Landmarks of the keyframes around one that the frame does not have yet.
 std::vector<int> further_landmarks(const Map& map, int keyframe, const Frame& frame) {
   std::vector<int> ids = map.best_covisible(keyframe, 10);
@@ -63,7 +92,7 @@ int localize_around(const Map& map, const MeasurementModel& model, int keyframe,
     if (frame.is_static[static_cast<std::size_t>(m.feature)]) matches.push_back(m);
   }
   const int inliers = refine_pose(map, model, frame, matches);
-  if (inliers < least_inliers) return 0;
+  if (inliers < least_inliers || !rests_on_what_lasts(map, matches)) return 0;
   assign_landmarks(matches, frame);
   frame.reference_keyframe = keyframe;
   return inliers;

@@ -26,7 +26,7 @@ std::vector<FrameMatch> align_to_keyframe(const Map& map, const MeasurementModel
 
 /// The second half: searches for more landmarks of the keyframe and those around it where the
 /// frame's pose says they are, and refines the pose. Returns how many landmarks the frame then has;
-/// 0 when they are too few.
+/// 0 when they are too few, or nearly all of them new in a map that is not.
 int localize_around(const Map& map, const MeasurementModel& model, int keyframe,
                     std::vector<FrameMatch> matches, Frame& frame);
 

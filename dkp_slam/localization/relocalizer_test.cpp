@@ -104,6 +104,33 @@ TEST_F(Relocalizer, AnExcerptOfTheMapAlignsAsTheMapDoes) {
   EXPECT_LT(pose_distance(whole.camera_from_world, truth), 1e-3);
 }
 
+TEST_F(Relocalizer, DoesNotRestOnWhatIsNewInAMapThatIsNot) {
+  const auto keep_found = [&](int keyframe, int frames) {
+    for (const int l : map.keyframe(keyframe).landmarks) {
+      if (l >= 0) map.landmark(l).found = frames;
+    }
+  };
+  const auto finds = [&](const Se3& camera_from_world) {
+    Frame frame = lost_at(camera_from_world);
+    return relocalize(map, places, {}, 1, frame);
+  };
+  // As of somebody whose landmarks hide those of the room.
+  keep_found(0, 20);
+  keep_found(1, 1);
+  EXPECT_TRUE(finds({}));
+  EXPECT_FALSE(finds(other_room));
+  // A seventh that has been there before is enough...
+  int kept = 0;
+  for (const int l : map.keyframe(1).landmarks) {
+    if (l >= 0 && kept++ % 7 == 0) map.landmark(l).found = 20;
+  }
+  EXPECT_TRUE(finds(other_room));
+  // ... and in a map where nothing has lasted yet nothing is asked for.
+  keep_found(0, 1);
+  keep_found(1, 1);
+  EXPECT_TRUE(finds(other_room));
+}
+
 TEST_F(Relocalizer, DoesNotRecogniseAnUnknownPlace) {
   Frame frame = lost_at({});
   for (Descriptor& d : frame.features.descriptor) d = world.random_descriptor();
