@@ -58,8 +58,10 @@ bool rests_on_what_lasts(const Map& map, const std::vector<FrameMatch>& matches)
   const auto found = std::count_if(matches.begin(), matches.end(), [&](const FrameMatch& m) {
     return lasts(map.landmark(m.landmark));
   });
-  return static_cast<double>(found) >=
-         least * lasting_share(map) * static_cast<double>(matches.size());
+  const double enough = least * static_cast<double>(matches.size());
+  // Mostly there are enough for any map, which then need not be gone through.
+  return static_cast<double>(found) >= enough ||
+         static_cast<double>(found) >= enough * lasting_share(map);
 }
 
 /// Landmarks of the keyframes around one that the frame does not have yet.
