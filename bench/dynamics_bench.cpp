@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -20,7 +22,7 @@
 #include "dkp_slam/export/images/image_file.h"
 #include "dkp_slam/feature/orb_extractor.h"
 #include "dkp_slam/sensor/camera_config.h"
-#include "dkp_slam/sensor/image_reader.h"
+#include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/system/config.h"
 
 namespace dkp_slam::bench {
@@ -30,25 +32,12 @@ namespace {
 struct BenchOptions {
   std::string sequence, camera, model, detections, csv, features, overlay, mode = "dkp+",
                                                                            clustering;
-  int first = 0, last = 1 << 30, overlay_every = 0;
+  std::size_t first = 0;
+  std::optional<std::size_t> last;
+  int overlay_every = 0;
   std::vector<int> overlay_frames;
   std::vector<std::string> settings;
 };
-
-struct Entry {
-  double timestamp = 0.0;
-  std::string colour, depth;
-};
-
-std::vector<Entry> read_associations(const std::filesystem::path& folder) {
-  std::ifstream in(folder / "associations.txt");
-  if (!in) throw Error("dynamics_bench: no associations.txt in " + folder.string());
-  std::vector<Entry> entries;
-  Entry e;
-  double depth_time = 0.0;
-  while (in >> e.timestamp >> e.colour >> depth_time >> e.depth) entries.push_back(e);
-  return entries;
-}
 
 double median(std::vector<double> v) {
   if (v.empty()) return 0.0;
@@ -119,18 +108,11 @@ struct KnownFrame {
   cv::Mat truth;
 };
 
-KnownFrame read_frame(ImageReader& images, const std::filesystem::path& folder, const Entry& entry,
-                      const Camera& camera) {
-  KnownFrame known;
-  RgbdFrame& frame = known.frame;
-  frame.timestamp = entry.timestamp;
-  frame.colour = images.read_colour((folder / entry.colour).string()).image;
-  const cv::Mat raw = images.read_unchanged((folder / entry.depth).string()).image;
-  raw.convertTo(frame.depth, CV_32F, 1.0 / camera.depth_scale);
-  frame.depth.setTo(0.0F, frame.depth < camera.min_depth);
-  frame.depth.setTo(0.0F, frame.depth > camera.max_depth);
-  const auto mask = folder / "mask" / std::filesystem::path(entry.colour).filename();
-  if (std::filesystem::exists(mask)) known.truth = images.read_grey_png(mask.string()).image;
+KnownFrame known_frame(RgbdFrame frame, int index, bool masks_are_given) {
+  KnownFrame known{std::move(frame), {}};
+  known.frame.index = index;
+  known.truth = known.frame.mask;
+  if (!masks_are_given) known.frame.mask.release();
   return known;
 }
 
@@ -218,16 +200,17 @@ void run(const BenchOptions& bench) {
   DynamicsModule dynamics(camera, options);
   OrbExtractor orb;
   const std::unique_ptr<Detector> detector = detector_of(bench);
+  TumOptions reading;
+  reading.first_frame = bench.first;
+  if (bench.last) reading.frame_limit = *bench.last - std::min(*bench.last, bench.first);
   const std::filesystem::path folder(bench.sequence);
-  const std::vector<Entry> entries = read_associations(folder);
+  if (std::filesystem::exists(folder / "mask")) reading.masks = folder / "mask";
+  const auto source = open_tum_folder(bench.sequence, camera, reading);
   if (!bench.overlay.empty()) std::filesystem::create_directories(bench.overlay);
   Tally tally(bench);
-  const int end = std::min(static_cast<int>(entries.size()), bench.last);
-  ImageReader images;
-  for (int i = bench.first; i < end; ++i) {
-    KnownFrame known = read_frame(images, folder, entries[static_cast<std::size_t>(i)], camera);
-    known.frame.index = i;
-    if (options.mode == DynamicsMode::masks) known.frame.mask = known.truth;
+  while (auto frame = source->read()) {
+    const int i = frame->index + static_cast<int>(bench.first);
+    const KnownFrame known = known_frame(std::move(*frame), i, options.mode == DynamicsMode::masks);
     cv::Mat grey;
     cv::cvtColor(known.frame.colour, grey, cv::COLOR_BGR2GRAY);
     const auto keypoints = orb.extract(grey).keypoints;
@@ -251,7 +234,7 @@ void run(const BenchOptions& bench) {
 void add_dynamics(CLI::App& program) {
   CLI::App* app = program.add_subcommand("dynamics", "Measures the dynamics room on a TUM folder");
   const auto bench = std::make_shared<dynamics::BenchOptions>();
-  app->add_option("sequence", bench->sequence, "TUM folder with associations.txt")->required();
+  app->add_option("sequence", bench->sequence, "TUM folder")->required();
   app->add_option("--camera", bench->camera, "camera file")->required();
   app->add_option("--model", bench->model, "YOLOX model");
   app->add_option("--set", bench->settings, "NAME=VALUE of the configuration");

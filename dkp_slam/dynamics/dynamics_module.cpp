@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dkp_slam/dynamics/compensation/object_flow.h"
+#include "dkp_slam/dynamics/masks/mask_depth_choice.h"
 #include "dkp_slam/dynamics/motion/static_support.h"
 #include "dkp_slam/dynamics/object_masks.h"
 #include "dkp_slam/dynamics/parts.h"
@@ -38,14 +39,16 @@ struct DynamicsModule::State {
         seed(s),
         rays(depth_view_rays(c)),
         parts(make_parts(c, o)),
-        history(c, o.history, o.compensation.longest_delay) {}
+        history(c, o.history, o.compensation.longest_delay),
+        mask_depth(o.mask_depth) {}
 
   cv::Size size;
   DynamicsOptions options;
   std::uint64_t seed;
   cv::Mat rays;
   DynamicsParts parts;
-  MotionHistory history;    // carries answers about earlier images
+  MotionHistory history;  // carries answers about earlier images
+  MaskDepthChoice mask_depth;
   cv::Mat previous_labels;  // Work::labels of the frame before
   DepthView view;           // of the frame that was processed last
 
@@ -56,6 +59,9 @@ struct DynamicsModule::State {
   void listen_to_unmasked(const std::vector<std::uint8_t>& support, Work& work);
   std::optional<Se3> measure_ego_motion(Work& work);
   void cut_masks(const cv::Mat& grey, Work& work);
+  Scene make_scene(const DepthView& view, const Work& work) const;
+  void compare_depth(const cv::Mat& grey, const Work& work, const Scene& chosen,
+                     const DepthView& stamped);
   void learn_background(const cv::Mat& grey, const Work& work);
   void classify(Work& work, FrameDynamics& result);
   void measure_ego_motion_again(Work& work, FrameDynamics& result);
@@ -153,6 +159,24 @@ std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
   return work.motion.camera_motion->previous_from_current.inverse();
 }
 
+Scene DynamicsModule::State::make_scene(const DepthView& view, const Work& work) const {
+  return parts.masks->scene(view, parts.planes ? parts.planes->planes() : std::vector<Plane>(),
+                            work.seed);
+}
+
+/// Masks from both depth images, of which `chosen` is the scene of one: which fits better?
+void DynamicsModule::State::compare_depth(const cv::Mat& grey, const Work& work,
+                                          const Scene& chosen, const DepthView& stamped) {
+  if (!any_to_cut(*parts.objects)) return;
+  const bool is_stamped = mask_depth.stamped();
+  const Scene other = make_scene(is_stamped ? work.view : stamped, work);
+  const auto cut = [&](const Scene& scene) {
+    return cut_from(*parts.masks, scene, parts.background.get(), grey, work.seed, *parts.objects);
+  };
+  const cv::Mat first = cut(chosen), second = cut(other);
+  mask_depth.compare(grey, is_stamped ? second : first, is_stamped ? first : second);
+}
+
 /// Cuts the objects out, where there is anything to cut out.
 void DynamicsModule::State::cut_masks(const cv::Mat& grey, Work& work) {
   const TraceSpan span("masks");
@@ -162,11 +186,14 @@ void DynamicsModule::State::cut_masks(const cv::Mat& grey, Work& work) {
     work.labels = cv::Mat::zeros(size, CV_8UC1);
     return;
   }
+  const bool choice = !work.frame.stamped_depth.empty();
+  const DepthView stamped = choice ? make_depth_view(work.frame.stamped_depth, rays) : work.view;
+  const DepthView& view = mask_depth.stamped() ? stamped : work.view;
   if (parts.planes) {
-    parts.planes->look(work.view, cover.hidden, cover.people, work.frame.timestamp, work.seed);
+    parts.planes->look(view, cover.hidden, cover.people, work.frame.timestamp, work.seed);
   }
-  Scene scene = parts.masks->scene(
-      work.view, parts.planes ? parts.planes->planes() : std::vector<Plane>(), work.seed);
+  Scene scene = make_scene(view, work);
+  if (choice && mask_depth.wants_comparison()) compare_depth(grey, work, scene, stamped);
   if (parts.surfaces) {
     parts.motion->fill_prediction_sigma(work.frame.depth, work.points, work.motion);
     parts.surfaces->judge(work.points, work.motion, scene.surfaces);

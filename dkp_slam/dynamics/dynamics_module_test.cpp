@@ -232,6 +232,33 @@ TEST(DynamicsModule, ASilentDetectorRemovesNothingInTheAblation) {
   }
 }
 
+/// Depth images are taken `ahead` frames after the colour images, those by their stamps
+/// `stamped_ahead`; mean IoU of frames 5 to 14.
+double iou_with_depth_ahead(int ahead, int stamped_ahead, bool compare) {
+  DynamicsOptions options;
+  if (!compare) options.mask_depth.every = 0;
+  DynamicsModule module(testing::vga_camera(), options);
+  const World world(0.75);
+  double sum = 0.0;
+  for (int i = 0; i < 15; ++i) {
+    World::View v = world.at(i);
+    v.grey *= 0.25;  // a texture without edges of its own
+    cv::add(v.grey, cv::Scalar(150), v.grey, v.truth == 0);
+    v.frame.depth = world.at(i + ahead).frame.depth;
+    v.frame.stamped_depth = world.at(i + stamped_ahead).frame.depth;
+    const auto r =
+        module.process(v.frame, v.grey, v.keypoints, {v.frame.timestamp, true, {v.detection}});
+    if (i >= 5) sum += score(v, r).iou / 10.0;
+  }
+  return sum;
+}
+
+TEST(DynamicsModule, CutsMasksFromTheDepthImageThatFits) {
+  EXPECT_GT(iou_with_depth_ahead(0, 2, true), 0.95);
+  EXPECT_GT(iou_with_depth_ahead(2, 0, true), 0.95) << "a delay that people do not have";
+  EXPECT_LT(iou_with_depth_ahead(2, 0, false), 0.85) << "he walks 7.6 pixels a frame";
+}
+
 TEST(DynamicsModule, RepeatsExactly) {
   const World world(0.75);
   DynamicsModule a(testing::vga_camera(), {}), b(testing::vga_camera(), {});

@@ -7,6 +7,7 @@ namespace dkp_slam {
 void DynamicsOptions::describe(OptionList& list) {
   list.leave_out();  // the mode: it stands above all parts
   list.add_part("clustering", clustering, "masks of objects (3.4)");
+  list.add_part("mask_depth", mask_depth, "of two depth images, where a delay is known");
   list.add_part("static_planes", static_planes, "remembered from frame to frame");
   list.add_part("background", background, "known from before somebody came");
   list.add_part("compensation", compensation, "of missed detections (3.3)");

@@ -2,6 +2,7 @@
 
 #include "dkp_slam/dynamics/compensation/object_tracker.h"
 #include "dkp_slam/dynamics/masks/clustering.h"
+#include "dkp_slam/dynamics/masks/mask_depth_choice.h"
 #include "dkp_slam/dynamics/masks/static_background.h"
 #include "dkp_slam/dynamics/modes.h"
 #include "dkp_slam/dynamics/motion/feature_motion.h"
@@ -18,6 +19,7 @@ class OptionList;
 struct DynamicsOptions {
   DynamicsMode mode = DynamicsMode::dkp_plus;
   ClusteringOptions clustering;
+  MaskDepthOptions mask_depth;
   StaticPlanesOptions static_planes;
   StaticBackgroundOptions background;
   ObjectTrackerOptions compensation;

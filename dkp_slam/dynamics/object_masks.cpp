@@ -7,6 +7,18 @@
 namespace dkp_slam {
 namespace {
 
+/// It moves by itself, and its detector did not tell its silhouette.
+bool needs_cutting(const ObjectTracker::Tracked& t) {
+  return t.object.moves_by_itself && t.silhouette.empty();
+}
+
+ObjectMask cut_out(const MaskCutter& cutter, const Scene& scene, StaticBackground* background,
+                   const cv::Mat& grey, std::uint64_t seed, const ObjectTracker::Tracked& t) {
+  ObjectMask mask = cutter.cut(scene, t.object.box, ObjectTracker::prior_of(t), seed);
+  if (background) background->correct(scene.view, grey, t.object.box, mask);
+  return mask;
+}
+
 /// False when an object that the detector missed is not to be found in the depth either.
 bool cut_object(const MaskCutter& cutter, const Scene& scene, StaticBackground* background,
                 const cv::Mat& grey, std::uint64_t seed, ObjectTracker& objects,
@@ -17,8 +29,7 @@ bool cut_object(const MaskCutter& cutter, const Scene& scene, StaticBackground* 
     objects.set_mask(index, mask_from_silhouette(scene.view, t.silhouette, t.detected_box), true);
     return true;
   }
-  ObjectMask mask = cutter.cut(scene, t.object.box, ObjectTracker::prior_of(t), seed);
-  if (background) background->correct(scene.view, grey, t.object.box, mask);
+  const ObjectMask mask = cut_out(cutter, scene, background, grey, seed, t);
   objects.set_mask(index, mask, mask.moving);
   return !t.object.compensated || !t.missed || !(mask.empty() || mask.still);
 }
@@ -33,6 +44,21 @@ void cut_objects(const MaskCutter& cutter, const Scene& scene, StaticBackground*
   }
   objects.remove(gone);
   objects.drop_duplicates();
+}
+
+bool any_to_cut(const ObjectTracker& objects) {
+  return std::any_of(objects.objects().begin(), objects.objects().end(), needs_cutting);
+}
+
+cv::Mat cut_from(const MaskCutter& cutter, const Scene& scene, StaticBackground* background,
+                 const cv::Mat& grey, std::uint64_t seed, const ObjectTracker& objects) {
+  cv::Mat masks = cv::Mat::zeros(grey.size(), CV_8UC1);
+  for (const ObjectTracker::Tracked& t : objects.objects()) {
+    if (!needs_cutting(t)) continue;
+    const ObjectMask mask = cut_out(cutter, scene, background, grey, seed, t);
+    if (!mask.empty()) paint_object(mask, 1, masks);
+  }
+  return masks;
 }
 
 std::vector<std::uint8_t> unmasked(const FeatureMotion& motion,

@@ -18,6 +18,12 @@ namespace dkp_slam {
 void cut_objects(const MaskCutter& cutter, const Scene& scene, StaticBackground* background,
                  const cv::Mat& grey, std::uint64_t seed, ObjectTracker& objects);
 
+/// Objects move by themselves whose silhouette the detector did not tell.
+bool any_to_cut(const ObjectTracker& objects);
+/// CV_8UC1, image size, 1 in the masks that `cut_objects` would cut of those; changes no object.
+cv::Mat cut_from(const MaskCutter& cutter, const Scene& scene, StaticBackground* background,
+                 const cv::Mat& grey, std::uint64_t seed, const ObjectTracker& objects);
+
 /// Flags points in boxes of named objects that no mask of the frame before held (`labels_before`,
 /// image size, CV_8UC1, 0 for none; may be empty) and that the motion that was measured leaves at
 /// most `most` pixels off. In boxes of others, or of those that had no mask, there may be people.

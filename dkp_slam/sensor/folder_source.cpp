@@ -1,6 +1,7 @@
 #include "dkp_slam/sensor/folder_source.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -100,31 +101,48 @@ class FolderSource : public RgbdSource {
   std::optional<RgbdFrame> load(std::size_t index, Problem* problem) {
     const ImagePair& pair = pairs_[index];
     const std::string colour_path = fs::path(folder_) / pair.colour;
-    const std::string depth_path = fs::path(folder_) / pair.depth;
     ImageRead colour = reader_.read_colour(colour_path);
     if (colour.image.empty()) {
       problem->text = fmt::format("{}: {}", colour_path, colour.problem);
       return std::nullopt;
     }
-    ImageRead depth = reader_.read_unchanged(depth_path);
-    if (depth.image.empty()) {
-      problem->text = fmt::format("{}: {}", depth_path, depth.problem);
-      return std::nullopt;
-    }
-    problem->text = problem_of(colour_path, colour.image, depth_path, depth.image);
-    problem->of_kind = !problem->text.empty();
-    if (problem->of_kind) return std::nullopt;
     RgbdFrame frame;
     frame.index = static_cast<int>(index);
     frame.timestamp = pair.timestamp;
     frame.depth_delay = pair.depth_timestamp + camera_.depth_correction.delay - pair.timestamp;
     frame.colour = std::move(colour.image);
-    if (fit_ && fit_->unknown() != 0) depth.image.setTo(0, depth.image == fit_->unknown());
-    frame.depth =
-        depth_in_metres(depth.image, camera_.depth_scale, camera_.min_depth, camera_.max_depth);
-    if (fit_) fit_->apply(frame.colour, frame.depth);
-    corrector_.apply(frame.depth);
+    frame.depth = load_depth(pair.depth, colour_path, frame.colour, problem);
+    if (frame.depth.empty()) return std::nullopt;
+    if (!pair.stamped_depth.empty()) {
+      Problem unimportant;
+      frame.stamped_depth = load_depth(pair.stamped_depth, colour_path, frame.colour, &unimportant);
+    }
     return frame;
+  }
+
+  /// Metres; empty, and why, where there is none. Of `colour`, fits what has to fit.
+  cv::Mat load_depth(const std::string& file, const std::string& colour_path, cv::Mat& colour,
+                     Problem* problem) {
+    for (const auto& [name, image] : decoded_) {
+      if (name == file && !fit_) return image;
+    }
+    const std::string path = fs::path(folder_) / file;
+    ImageRead depth = reader_.read_unchanged(path);
+    if (depth.image.empty()) {
+      problem->text = fmt::format("{}: {}", path, depth.problem);
+      return {};
+    }
+    problem->text = problem_of(colour_path, colour, path, depth.image);
+    problem->of_kind = !problem->text.empty();
+    if (problem->of_kind) return {};
+    if (fit_ && fit_->unknown() != 0) depth.image.setTo(0, depth.image == fit_->unknown());
+    cv::Mat metres =
+        depth_in_metres(depth.image, camera_.depth_scale, camera_.min_depth, camera_.max_depth);
+    if (fit_) fit_->apply(colour, metres);
+    corrector_.apply(metres);
+    std::swap(decoded_[0], decoded_[1]);
+    decoded_[1] = {file, metres};
+    return metres;
   }
 
   /// What is wrong with the images' types and sizes, or nothing.
@@ -161,6 +179,8 @@ class FolderSource : public RgbdSource {
   std::unique_ptr<ImageFit> fit_;
   ImageReader reader_;
   std::optional<MaskFolder> masks_;
+  /// The last two: the stamped depth of one frame mostly is the depth of the frame before.
+  std::array<std::pair<std::string, cv::Mat>, 2> decoded_;
   std::size_t next_ = 0;
   std::size_t skipped_ = 0;
 };

@@ -14,6 +14,10 @@ struct RgbdFrame {
   double decode_ms = 0.0;  ///< that reading and decoding took, where somebody measured it
   cv::Mat colour;          ///< CV_8UC3, BGR, as the lens gives it (distorted)
   cv::Mat depth;           ///< CV_32FC1, metres, 0 where unknown; same size as colour
+  /// As `depth`: the image that the time stamps alone give this colour image, where the camera's
+  /// known delay made `depth` another; empty where it did not. For what moves it may be the right
+  /// one (MaskDepthChoice).
+  cv::Mat stamped_depth;
   /// CV_8UC1, same size as colour: 0 on what is static, anything else on what moves, as somebody
   /// else's segmentation says (DynamicsMode::masks). Empty: nobody said, which is not the same as
   /// nobody there.

@@ -114,9 +114,9 @@ std::vector<ImagePair> read_associations(const std::string& list) {
       fail(list, line, "cannot tell colour from depth: one of the two paths must name depth");
     }
     if (depth_first) {
-      pairs.push_back({second, line.words[3], line.words[1], first});
+      pairs.push_back({second, line.words[3], line.words[1], first, ""});
     } else {
-      pairs.push_back({first, line.words[1], line.words[3], second});
+      pairs.push_back({first, line.words[1], line.words[3], second, ""});
     }
   }
   sort_by_stamp(list, &pairs);

@@ -18,6 +18,8 @@ struct ImagePair {
   std::string colour;      ///< path as written in the list
   std::string depth;
   double depth_timestamp = 0.0;  ///< seconds
+  /// The depth image whose stamp is nearest, where a known delay made `depth` another; else empty.
+  std::string stamped_depth;
 };
 
 /// Reads "timestamp path" lines; '#' begins a comment; commas and tabs count as spaces. The result

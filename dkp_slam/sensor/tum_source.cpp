@@ -18,6 +18,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Notes which depth image the stamps alone would have given, `by_stamp`, where it is another.
+void add_stamped(const std::vector<std::pair<std::size_t, std::size_t>>& by_stamp,
+                 const std::vector<StampedFile>& colour, const std::vector<StampedFile>& depth,
+                 std::vector<ImagePair>& pairs) {
+  auto pair = pairs.begin();
+  for (const auto& [c, d] : by_stamp) {
+    while (pair != pairs.end() && pair->timestamp < colour[c].timestamp) ++pair;
+    if (pair == pairs.end()) return;
+    if (pair->timestamp > colour[c].timestamp || pair->depth == depth[d].path) continue;
+    pair->stamped_depth = depth[d].path;
+  }
+}
+
 std::vector<ImagePair> pair_by_time(const fs::path& folder, double depth_delay,
                                     double max_difference) {
   for (const char* list : {"rgb.txt", "depth.txt"}) {
@@ -38,7 +51,11 @@ std::vector<ImagePair> pair_by_time(const fs::path& folder, double depth_delay,
   std::vector<ImagePair> pairs;
   for (const auto& [c, d] :
        associate(moments(colour, 0.0), moments(depth, depth_delay), max_difference)) {
-    pairs.push_back({colour[c].timestamp, colour[c].path, depth[d].path, depth[d].timestamp});
+    pairs.push_back({colour[c].timestamp, colour[c].path, depth[d].path, depth[d].timestamp, ""});
+  }
+  if (depth_delay != 0.0) {
+    add_stamped(associate(moments(colour, 0.0), moments(depth, 0.0), max_difference), colour, depth,
+                pairs);
   }
   if (pairs.empty()) {
     throw Error(
@@ -70,6 +87,7 @@ void pair_by_moment(std::vector<ImagePair>& pairs, double delay) {
         (nearest != depth.begin() && wanted.depth_timestamp - std::prev(nearest)->depth_timestamp <
                                          nearest->depth_timestamp - wanted.depth_timestamp);
     if (before) --nearest;
+    if (nearest->depth != pair.depth) pair.stamped_depth = std::move(pair.depth);
     pair.depth = nearest->depth;
     pair.depth_timestamp = nearest->depth_timestamp;
   }

@@ -153,12 +153,15 @@ TEST_F(TumSourceTest, PairsByTheMomentWhenDepthIsTakenBesideItsStamp) {
   Camera camera = small_camera();
   camera.depth_correction.delay = -0.7;
   const auto listed = open(options, camera);
-  for (const auto& [number, delay] :
-       std::vector<std::pair<int, double>>{{2, 0.305}, {3, 0.305}, {3, -0.695}}) {
+  for (const auto& [number, delay, by_stamp] :
+       std::vector<std::tuple<int, double, int>>{{2, 0.305, 1}, {3, 0.305, 2}, {3, -0.695, 0}}) {
     const auto frame = listed->read();
     ASSERT_TRUE(frame);
     EXPECT_FLOAT_EQ(frame->depth.at<float>(0, 0), 0.5F * static_cast<float>(number));
     EXPECT_NEAR(frame->depth_delay, delay, 1e-9);
+    ASSERT_EQ(frame->stamped_depth.empty(), by_stamp == 0);
+    if (by_stamp == 0) continue;
+    EXPECT_FLOAT_EQ(frame->stamped_depth.at<float>(0, 0), 0.5F * static_cast<float>(by_stamp));
   }
   EXPECT_FALSE(listed->read());
 
@@ -169,7 +172,24 @@ TEST_F(TumSourceTest, PairsByTheMomentWhenDepthIsTakenBesideItsStamp) {
   ASSERT_TRUE(first);
   EXPECT_EQ(first->timestamp, 0.0);
   EXPECT_NEAR(first->depth_delay, 0.305, 1e-9);
-  EXPECT_FLOAT_EQ(stamped->read()->depth.at<float>(0, 0), 1.0F);
+  const auto second = stamped->read();
+  EXPECT_FLOAT_EQ(second->depth.at<float>(0, 0), 1.0F);
+  EXPECT_FLOAT_EQ(second->stamped_depth.at<float>(0, 0), 0.5F);
+}
+
+TEST_F(TumSourceTest, DoesWithoutTheDepthOfTheStampsWhereThatCannotBeRead) {
+  write("associations.txt",
+        "1.000 rgb/1.png 1.005 depth/1.png\n2.000 rgb/2.png 2.005 depth/2.png\n");
+  truncate(folder_ / "depth" / "1.png");
+  Camera camera = small_camera();
+  camera.depth_correction.delay = -0.7;
+  const auto source = open({}, camera);
+  const auto frame = source->read();
+  ASSERT_TRUE(frame);
+  EXPECT_FLOAT_EQ(frame->depth.at<float>(0, 0), 1.0F);
+  EXPECT_TRUE(frame->stamped_depth.empty());
+  EXPECT_EQ(source->skipped(), 0U);
+  EXPECT_TRUE(open()->read()->stamped_depth.empty()) << "no delay is known";
 }
 
 TEST_F(TumSourceTest, PutsDepthRight) {

@@ -58,6 +58,10 @@ std::string problem_of(const RgbdFrame& frame, const SlamConfig& config,
         "its depth image is {} pixels, its colour image {}; register depth to colour",
         size_text(depth), size_text(colour));
   }
+  const cv::Mat& stamped = frame.stamped_depth;
+  if (!stamped.empty() && (stamped.type() != depth.type() || stamped.size() != depth.size())) {
+    return "its depth image by the time stamps differs from the other in type or size";
+  }
   if (std::string problem = problem_of_mask(frame, config); !problem.empty()) return problem;
   if (!std::isfinite(frame.timestamp)) return "its time stamp is no number";
   if (last_timestamp && frame.timestamp <= *last_timestamp) {
@@ -235,6 +239,7 @@ void Slam::feed(RgbdFrame frame) {
   if (!problem.empty()) throw Error(fmt::format("frame {}: {}", frame.index, problem));
   own_pixels(frame.colour);
   own_pixels(frame.depth);
+  own_pixels(frame.stamped_depth);
   own_pixels(frame.mask);
   frame.index = std::max(frame.index, s.last_index + 1);
   s.last_index = frame.index;

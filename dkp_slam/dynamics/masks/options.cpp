@@ -1,5 +1,6 @@
 #include "dkp_slam/config/option_list.h"
 #include "dkp_slam/dynamics/masks/clustering.h"
+#include "dkp_slam/dynamics/masks/mask_depth_choice.h"
 
 namespace dkp_slam {
 
@@ -33,6 +34,17 @@ void FlatPatchOptions::describe(OptionList& list) {
 }
 
 void FlatPatchOptions::check() const { check_options(*this); }
+
+void MaskDepthOptions::describe(OptionList& list) {
+  list.add("every", every, at_least(0), "frames",
+           "masks are cut from both depth images where a known delay gives two; 0: never");
+  list.add("spread", spread, above(0), "",
+           "standard deviation of one comparison, of the gradients' sum");
+  list.add("sigmas", sigmas, at_least(0), "", "by which the chosen image must fit better");
+  list.add("forget", forget, between(0, 1), "", "weight of what was seen, a comparison later");
+}
+
+void MaskDepthOptions::check() const { check_options(*this); }
 
 void ClusteringOptions::describe(OptionList& list) {
   list.add("mode", mode,

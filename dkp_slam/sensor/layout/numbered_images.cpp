@@ -59,7 +59,7 @@ std::vector<ImagePair> pair_by_number(const fs::path& folder, const fs::path& co
     const auto partner = depth.find(number);
     if (partner == depth.end()) continue;
     const double stamp = static_cast<double>(number) / rate;
-    pairs.push_back({stamp, colour_folder / name, depth_folder / partner->second, stamp});
+    pairs.push_back({stamp, colour_folder / name, depth_folder / partner->second, stamp, ""});
   }
   if (pairs.empty()) {
     throw Error(
