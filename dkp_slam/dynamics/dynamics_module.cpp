@@ -59,7 +59,7 @@ struct DynamicsModule::State {
   void listen_to_unmasked(const std::vector<std::uint8_t>& support, Work& work);
   std::optional<Se3> measure_ego_motion(Work& work);
   void cut_masks(const cv::Mat& grey, Work& work);
-  Scene make_scene(const DepthView& view, const Work& work) const;
+  Scene scene_of(const DepthView& view, const Work& work) const;
   void compare_depth(const cv::Mat& grey, const Work& work, const Scene& chosen,
                      const DepthView& stamped);
   void learn_background(const cv::Mat& grey, const Work& work);
@@ -159,7 +159,7 @@ std::optional<Se3> DynamicsModule::State::measure_ego_motion(Work& work) {
   return work.motion.camera_motion->previous_from_current.inverse();
 }
 
-Scene DynamicsModule::State::make_scene(const DepthView& view, const Work& work) const {
+Scene DynamicsModule::State::scene_of(const DepthView& view, const Work& work) const {
   return parts.masks->scene(view, parts.planes ? parts.planes->planes() : std::vector<Plane>(),
                             work.seed);
 }
@@ -169,7 +169,7 @@ void DynamicsModule::State::compare_depth(const cv::Mat& grey, const Work& work,
                                           const Scene& chosen, const DepthView& stamped) {
   if (!any_to_cut(*parts.objects)) return;
   const bool is_stamped = mask_depth.stamped();
-  const Scene other = make_scene(is_stamped ? work.view : stamped, work);
+  const Scene other = scene_of(is_stamped ? work.view : stamped, work);
   const auto cut = [&](const Scene& scene) {
     return cut_from(*parts.masks, scene, parts.background.get(), grey, work.seed, *parts.objects);
   };
@@ -192,7 +192,7 @@ void DynamicsModule::State::cut_masks(const cv::Mat& grey, Work& work) {
   if (parts.planes) {
     parts.planes->look(view, cover.hidden, cover.people, work.frame.timestamp, work.seed);
   }
-  Scene scene = make_scene(view, work);
+  Scene scene = scene_of(view, work);
   if (choice && mask_depth.wants_comparison()) compare_depth(grey, work, scene, stamped);
   if (parts.surfaces) {
     parts.motion->fill_prediction_sigma(work.frame.depth, work.points, work.motion);
