@@ -24,6 +24,7 @@
 #include "dkp_slam/dense/depth_view.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/json_integer.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
 #include "dkp_slam/synth/scenario.h"
@@ -140,8 +141,8 @@ Truth truth_of(const Arguments& arguments, const Trajectory& path) {
   std::optional<Scenario> scenario;
   if (std::ifstream synth(arguments.sequence / "synth.json"); synth) {
     const auto json = nlohmann::json::parse(synth);
-    scenario =
-        make_scenario(json.at("scenario").get<std::string>(), json.at("seed").get<std::uint64_t>());
+    scenario = make_scenario(json.at("scenario").get<std::string>(),
+                             integer_at<std::uint64_t>(json, "seed"));
     truth.room = std::make_unique<RoomDistance>(scenario->place.meshes);
   }
   const cv::Mat table = people_table(scenario ? &*scenario : nullptr);

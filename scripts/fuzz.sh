@@ -46,14 +46,21 @@ run_target() {
   # the time. They are sought when it ends in any case.
   local code=0 leaks=1
   if [ "$target" = bag ]; then leaks=0; fi
+  # Mutations follow the order in which a corpus is read again, and values that are addresses.
+  local reload=1 fixed=()
+  if [ -n "${FUZZ_SEED:-}" ]; then
+    reload=0
+    if setarch -R true 2>/dev/null; then fixed=(setarch -R); fi
+  fi
   # What other libraries say of broken files is of no interest; the report goes elsewhere.
   UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=cmake/lsan.supp:print_suppressions=0 \
-    "build/fuzz/fuzz/fuzz_$target" -max_total_time="$seconds" -seed="${FUZZ_SEED:-0}" -timeout=20 -rss_limit_mb=3000 \
-    -detect_leaks=$leaks -close_fd_mask=3 -print_final_stats=1 -artifact_prefix="$found/" \
+    "${fixed[@]}" "build/fuzz/fuzz/fuzz_$target" -max_total_time="$seconds" -seed="${FUZZ_SEED:-0}" -timeout=20 -rss_limit_mb=3000 \
+    -detect_leaks=$leaks -reload=$reload -close_fd_mask=3 -print_final_stats=1 -artifact_prefix="$found/" \
     "$corpus" "${known[@]}" >"$found/report.log" 2>&1 || code=$?
   printf '%-14s %12s executions%s\n' "$target" \
     "$(sed -n 's/^stat::number_of_executed_units: *//p' "$found/report.log")" \
     "$([ "$code" -eq 0 ] || echo "   FOUND SOMETHING: $found")"
+  if [ "$code" -ne 0 ]; then tail -n 40 "$found/report.log" | cut -c -200 | sed "s/^/$target: /"; fi
   return "$code"
 }
 export -f run_target

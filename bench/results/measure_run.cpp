@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstddef>
 #include <fstream>
 #include <map>
 #include <numbers>
@@ -16,6 +17,7 @@
 #include "dkp_slam/evaluation/relative_error.h"
 #include "dkp_slam/export/atomic_file.h"
 #include "dkp_slam/export/trajectory.h"
+#include "dkp_slam/json_integer.h"
 #include "dkp_slam/json_text.h"
 
 namespace dkp_slam::bench {
@@ -173,15 +175,17 @@ RunFigures read_run(const MeasureOptions& options, const RunKey& key) {
     figures.others_share = process.at("others_share");
     figures.whole = process.at("whole");
     const fs::path out = folder / (figures.whole ? "out" : "replay");
-    if (const int code = process.at("exit_code"); code != 0) {
+    if (const int code = integer_at<int>(process, "exit_code"); code != 0) {
       const char* const log = figures.whole ? "log.txt" : "replay_log.txt";
       throw Error(fmt::format("exit code {}: {}", code, last_line(folder / log)));
     }
     const nlohmann::json summary = read_json(out / "summary.json");
     figures.peak_memory_mb = summary.at("peak_memory_mb");
     // Frames whose images could not be read are lost to the user too.
-    figures.frames = summary.at("frames").get<std::size_t>() +
-                     summary.value("skipped_frames", static_cast<std::size_t>(0));
+    figures.frames =
+        integer_at<std::size_t>(summary, "frames") +
+        (summary.contains("skipped_frames") ? integer_at<std::size_t>(summary, "skipped_frames")
+                                            : 0);
     set_times(figures, read_times(folder / "replay"));
     const double without_detection = figures.without_detection_ms;
     set_times(figures, read_times(out));

@@ -3,13 +3,16 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <exception>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/json_integer.h"
 #include "dkp_slam/json_text.h"
 #include "dkp_slam/version.h"
 
@@ -66,8 +69,8 @@ nlohmann::ordered_json to_json(const Camera& c, float level_scale, int levels) {
 void from_json(const nlohmann::json& json, MapParts& parts) {
   Camera& c = parts.camera;
   json.at("name").get_to(c.name);
-  json.at("width").get_to(c.width);
-  json.at("height").get_to(c.height);
+  c.width = integer_at<int>(json, "width");
+  c.height = integer_at<int>(json, "height");
   json.at("fx").get_to(c.fx);
   json.at("fy").get_to(c.fy);
   json.at("cx").get_to(c.cx);
@@ -84,7 +87,7 @@ void from_json(const nlohmann::json& json, MapParts& parts) {
   const auto noise = json.at("depth_noise").get<std::array<double, 2>>();
   c.depth_noise = {noise[0], noise[1]};
   json.at("level_scale").get_to(parts.level_scale);
-  json.at("levels").get_to(parts.levels);
+  parts.levels = integer_at<int>(json, "levels");
 }
 
 template <class Value>
@@ -279,9 +282,10 @@ std::string map_program_version(Database& database) {
 
 MapParts read_parts(Database& database) {
   MapParts parts;
+  const std::string camera = meta(database, "camera").text(0);
   try {
-    from_json(nlohmann::json::parse(meta(database, "camera").text(0)), parts);
-  } catch (const nlohmann::json::exception& error) {
+    from_json(nlohmann::json::parse(camera), parts);
+  } catch (const std::exception& error) {
     sqlite::throw_damaged(database.file(), fmt::format("camera: {}", error.what()));
   }
   // It is computed with before the rest can be checked.

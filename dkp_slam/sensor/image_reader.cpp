@@ -13,6 +13,7 @@
 
 #include "dkp_slam/input_file.h"
 #include "dkp_slam/sensor/jpeg_codec.h"
+#include "dkp_slam/sensor/pixel_limit.h"
 #include "dkp_slam/sensor/png_format.h"
 #include "dkp_slam/sensor/png_general.h"
 
@@ -35,31 +36,12 @@ std::string read_file(const std::string& path, std::vector<std::uint8_t>* bytes)
   return errno != 0 ? std::strerror(errno) : "it became shorter while it was read";
 }
 
-/// Width times height as a PNG or JPEG file's header states them; 0 where it does not.
-std::uint64_t stated_pixels(const std::vector<std::uint8_t>& file) {
-  constexpr std::size_t png_width_at = 16, png_height_at = 20, png_header_end = 24;
-  if (png::has_signature(file)) {
-    if (file.size() < png_header_end) return 0;
-    return std::uint64_t{png::big_endian(&file[png_width_at])} *
-           png::big_endian(&file[png_height_at]);
-  }
-  if (file.size() < 3 || file[0] != 0xFF || file[1] != 0xD8) return 0;
-  // JPEG (ITU-T T.81, B.1.1 and B.2.2): segments up to the frame header, markers C0 to CF but for
-  // the three that are none.
-  constexpr std::size_t frame_header = 9;
-  const auto two_bytes = [&file](std::size_t at) { return file[at] * 256U + file[at + 1]; };
-  for (std::size_t at = 2; at + frame_header <= file.size() && file[at] == 0xFF;) {
-    const std::uint8_t marker = file[at + 1];
-    if (marker == 0xFF) {  // a fill byte
-      ++at;
-      continue;
-    }
-    const bool frame =
-        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
-    if (frame) return std::uint64_t{two_bytes(at + 5)} * two_bytes(at + 7);
-    at += 2 + two_bytes(at + 2);
-  }
-  return 0;
+/// Whether the header of a PNG file, as a rule its first chunk, states more pixels than that.
+bool states_more_than(std::uint64_t most_pixels, const std::vector<std::uint8_t>& file) {
+  constexpr std::size_t width_at = 16, height_at = 20, header_end = 24;
+  return png::has_signature(file) && file.size() >= header_end &&
+         has_too_many_pixels(png::big_endian(&file[width_at]), png::big_endian(&file[height_at]),
+                             most_pixels);
 }
 
 /// Why a file is no PNG of 8-bit grey values, by its first bytes; empty when it is one.
@@ -89,9 +71,7 @@ ImageRead ImageReader::unchanged_of(std::span<const std::uint8_t> file) {
 
 ImageRead ImageReader::decode() {
   ImageRead result;
-  if (stated_pixels(file_) > most_pixels_) {
-    return {{}, "the image has more pixels than any that belongs here"};
-  }
+  if (states_more_than(most_pixels_, file_)) return {{}, too_many_pixels};
   switch (png_.decode(file_, &result.image, &result.problem)) {
     case PngDecoder::Status::ok:
     case PngDecoder::Status::broken:
@@ -100,9 +80,9 @@ ImageRead ImageReader::decode() {
       break;
   }
   if (is_jpeg(file_)) {
-    decode_jpeg(file_, &result.image, &result.problem);
+    decode_jpeg(file_, most_pixels_, &result.image, &result.problem);
   } else if (png::has_signature(file_)) {
-    decode_any_png(file_, &result.image, &result.problem);
+    decode_any_png(file_, most_pixels_, &result.image, &result.problem);
   } else {
     result.problem = "not a PNG or JPEG file";
   }

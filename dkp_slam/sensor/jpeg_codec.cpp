@@ -8,6 +8,7 @@
 #include <turbojpeg.h>
 
 #include "dkp_slam/error.h"
+#include "dkp_slam/sensor/pixel_limit.h"
 
 namespace dkp_slam {
 namespace {
@@ -26,7 +27,8 @@ bool is_jpeg(std::span<const std::uint8_t> file) {
   return file.size() >= sizeof(start) && std::equal(start, start + sizeof(start), file.begin());
 }
 
-bool decode_jpeg(std::span<const std::uint8_t> file, cv::Mat* image, std::string* problem) {
+bool decode_jpeg(std::span<const std::uint8_t> file, std::uint64_t most_pixels, cv::Mat* image,
+                 std::string* problem) {
   const Handle handle = owned(tjInitDecompress());
   const auto failed = [&](int status) {
     // Most of what the library calls a warning is none: it fills up with grey what is missing.
@@ -39,6 +41,11 @@ bool decode_jpeg(std::span<const std::uint8_t> file, cv::Mat* image, std::string
   int width = 0, height = 0, subsampling = 0, colours = 0;
   if (failed(tjDecompressHeader3(handle.get(), file.data(), file.size(), &width, &height,
                                  &subsampling, &colours))) {
+    return false;
+  }
+  if (has_too_many_pixels(static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height),
+                          most_pixels)) {
+    *problem = too_many_pixels;
     return false;
   }
   image->create(height, width, CV_8UC3);

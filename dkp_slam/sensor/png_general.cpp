@@ -8,6 +8,8 @@
 
 #include <png.h>
 
+#include "dkp_slam/sensor/pixel_limit.h"
+
 namespace dkp_slam {
 namespace {
 
@@ -78,12 +80,18 @@ class Decoding {
 
 }  // namespace
 
-bool decode_any_png(std::span<const std::uint8_t> file, cv::Mat* image, std::string* problem) {
+bool decode_any_png(std::span<const std::uint8_t> file, std::uint64_t most_pixels, cv::Mat* image,
+                    std::string* problem) {
   Decoding decoding(file, problem);
   cv::Size size;
   int type = CV_8UC3;
   *problem = "damaged PNG (header)";
   if (!decoding.read_header(&size, &type)) return false;
+  if (has_too_many_pixels(static_cast<std::uint64_t>(size.width),
+                          static_cast<std::uint64_t>(size.height), most_pixels)) {
+    *problem = too_many_pixels;
+    return false;
+  }
   image->create(size, type);
   std::vector<png_bytep> rows;
   for (int y = 0; y < size.height; ++y) rows.push_back(image->ptr(y));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <fstream>
 #include <tuple>
 
@@ -17,6 +18,7 @@
 #include "dkp_slam/error.h"
 #include "dkp_slam/evaluation/measure/sequence_name.h"
 #include "dkp_slam/evaluation/report/published.h"
+#include "dkp_slam/json_integer.h"
 #include "dkp_slam/json_text.h"
 
 namespace dkp_slam {
@@ -162,36 +164,36 @@ RunRecord parse_json_line(const std::string& line) {
     r.mode = json.at("mode");
     r.detector = json.at("detector");
     r.model = json.at("model");
-    r.seed = json.at("seed");
-    r.exit_code = json.at("exit_code");
+    r.seed = integer_at<std::uint64_t>(json, "seed");
+    r.exit_code = integer_at<int>(json, "exit_code");
     r.problem = json.at("problem");
-    r.frames = json.at("frames");
-    r.lost = json.at("lost");
+    r.frames = integer_at<std::size_t>(json, "frames");
+    r.lost = integer_at<std::size_t>(json, "lost");
     r.ate_m = json.at("ate_m");
     r.ate_deviation_m = json.at("ate_deviation_m");
     r.rpe_s_m = optional_number(json, "rpe_s_m");
     r.rpe_s_deg = optional_number(json, "rpe_s_deg");
     r.rpe_frame_m = optional_number(json, "rpe_frame_m");
     r.rpe_frame_deg = optional_number(json, "rpe_frame_deg");
-    r.features = json.at("features");
-    r.removed = json.at("removed");
-    r.keyframes = json.at("keyframes");
-    r.landmarks = json.at("landmarks");
-    r.loops_closed = json.at("loops_closed");
-    r.maps_joined = json.at("maps_joined");
-    r.maps = json.at("maps");
+    r.features = integer_at<std::size_t>(json, "features");
+    r.removed = integer_at<std::size_t>(json, "removed");
+    r.keyframes = integer_at<std::size_t>(json, "keyframes");
+    r.landmarks = integer_at<std::size_t>(json, "landmarks");
+    r.loops_closed = integer_at<std::size_t>(json, "loops_closed");
+    r.maps_joined = integer_at<std::size_t>(json, "maps_joined");
+    r.maps = integer_at<std::size_t>(json, "maps");
     r.stage_ms = json.at("stage_ms").get<std::map<std::string, double>>();
     r.total_s = json.at("total_s");
     r.processor_s = json.at("processor_s");
     r.others_share = json.at("others_share");
     r.peak_memory_mb = json.at("peak_memory_mb");
-    r.jobs = json.at("jobs");
+    r.jobs = integer_at<int>(json, "jobs");
     r.version = json.at("version");
     r.program = json.at("program");
     r.options = json.at("options");
     r.machine = json.at("machine");
     r.date = json.at("date");
-  } catch (const Json::exception& error) {
+  } catch (const std::exception& error) {
     throw Error(fmt::format("not a result of dkp-slam bench: {}", error.what()));
   }
   const bool safe = is_component(r.sequence) && (r.model.empty() || is_component(r.model));

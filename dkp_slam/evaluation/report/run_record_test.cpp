@@ -111,7 +111,9 @@ TEST_F(Records, WhatIsNoRecordIsRefused) {
   EXPECT_NO_THROW(parse_json_line(good));
   for (const std::string& line :
        {std::string("{}"), std::string("[1]"), good.substr(0, good.size() / 2),
-        with("\"frames\":600", "\"frames\":\"many\""), with("\"walking_xyz\"", "\"../../etc\""),
+        with("\"frames\":600", "\"frames\":\"many\""), with("\"frames\":600", "\"frames\":600.5"),
+        with("\"frames\":600", "\"frames\":-1"), with("\"frames\":600", "\"frames\":2e51"),
+        with("\"jobs\":4", "\"jobs\":3000000000"), with("\"walking_xyz\"", "\"../../etc\""),
         with("\"walking_xyz\"", "\"..\""), with("\"dkp+\"", "\"fast\""),
         with("\"yolox\"", "\"eyes\""), with("\"yolox_nano.onnx\"", "\"a/b\"")}) {
     EXPECT_THROW(parse_json_line(line), Error) << line;
