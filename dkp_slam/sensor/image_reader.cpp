@@ -13,7 +13,6 @@
 
 #include "dkp_slam/input_file.h"
 #include "dkp_slam/sensor/jpeg_codec.h"
-#include "dkp_slam/sensor/pixel_limit.h"
 #include "dkp_slam/sensor/png_format.h"
 #include "dkp_slam/sensor/png_general.h"
 
@@ -34,14 +33,6 @@ std::string read_file(const std::string& path, std::vector<std::uint8_t>* bytes)
   bytes->resize(static_cast<std::size_t>(size));
   if (std::fread(bytes->data(), 1, bytes->size(), file.get()) == bytes->size()) return "";
   return errno != 0 ? std::strerror(errno) : "it became shorter while it was read";
-}
-
-/// Whether the header of a PNG file, as a rule its first chunk, states more pixels than that.
-bool states_more_than(std::uint64_t most_pixels, const std::vector<std::uint8_t>& file) {
-  constexpr std::size_t width_at = 16, height_at = 20, header_end = 24;
-  return png::has_signature(file) && file.size() >= header_end &&
-         has_too_many_pixels(png::big_endian(&file[width_at]), png::big_endian(&file[height_at]),
-                             most_pixels);
 }
 
 /// Why a file is no PNG of 8-bit grey values, by its first bytes; empty when it is one.
@@ -71,7 +62,6 @@ ImageRead ImageReader::unchanged_of(std::span<const std::uint8_t> file) {
 
 ImageRead ImageReader::decode() {
   ImageRead result;
-  if (states_more_than(most_pixels_, file_)) return {{}, too_many_pixels};
   switch (png_.decode(file_, &result.image, &result.problem)) {
     case PngDecoder::Status::ok:
     case PngDecoder::Status::broken:

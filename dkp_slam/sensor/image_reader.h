@@ -26,7 +26,8 @@ class ImageReader {
 
   /// Of a PNG or JPEG file with more than `most_pixels` only the header is looked at: a small file
   /// may hold an image of gigabytes.
-  explicit ImageReader(std::uint64_t most_pixels = usual_most_pixels) : most_pixels_(most_pixels) {}
+  explicit ImageReader(std::uint64_t most_pixels = usual_most_pixels)
+      : most_pixels_(most_pixels), png_(most_pixels) {}
   /// CV_8UC3, BGR. Grey images, images with an alpha channel and 16-bit images are converted.
   ImageRead read_colour(const std::string& path);
   /// Grey as stored, 8 or 16 bits, colour as CV_8UC3; of a depth image the caller checks the type.

@@ -6,6 +6,7 @@
 #include <libdeflate.h>
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/sensor/pixel_limit.h"
 #include "dkp_slam/sensor/png_filters.h"
 #include "dkp_slam/sensor/png_format.h"
 
@@ -38,8 +39,9 @@ void copy_out(const uint8_t* pixels, std::size_t stride, cv::Mat* image) {
 
 }  // namespace
 
-PngDecoder::PngDecoder()
-    : inflater_(libdeflate_alloc_decompressor(), libdeflate_free_decompressor) {
+PngDecoder::PngDecoder(std::uint64_t most_pixels)
+    : most_pixels_(most_pixels),
+      inflater_(libdeflate_alloc_decompressor(), libdeflate_free_decompressor) {
   if (!inflater_) throw std::bad_alloc();
 }
 
@@ -69,6 +71,7 @@ PngDecoder::Status PngDecoder::read_chunks(std::span<const uint8_t> file, Header
       if (width == 0 || height == 0 || width > largest_side || height > largest_side) {
         return broken("damaged PNG (image size)");
       }
+      if (has_too_many_pixels(width, height, most_pixels_)) return broken(too_many_pixels);
       *header = {static_cast<int>(width), static_cast<int>(height), data[8], data[9],
                  data[12] != 0};
       has_header = true;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -24,7 +25,8 @@ class PngDecoder {
     broken,       ///< truncated or damaged; `problem` says how
   };
 
-  PngDecoder();
+  /// A file that states more than `most_pixels` is broken, before any memory is taken for them.
+  explicit PngDecoder(std::uint64_t most_pixels = std::numeric_limits<std::uint64_t>::max());
   ~PngDecoder();
   PngDecoder(const PngDecoder&) = delete;
   PngDecoder& operator=(const PngDecoder&) = delete;
@@ -44,6 +46,7 @@ class PngDecoder {
   /// Reads the chunks, checks their sums, and joins the compressed data in `packed_`.
   Status read_chunks(std::span<const std::uint8_t> file, Header* header, std::string* problem);
 
+  const std::uint64_t most_pixels_;
   std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> inflater_;
   std::vector<std::uint8_t> packed_;
   std::vector<std::uint8_t> filtered_;  ///< rows of one filter byte and the row's bytes
