@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <mutex>
-#include <set>
 #include <tuple>
 #include <utility>
 
@@ -166,8 +165,10 @@ OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
 
 OrbFeatures OrbExtractor::extract_more(const cv::Mat& grey, const OrbFeatures& found,
                                        const cv::Mat& allowed) const {
-  std::set<std::tuple<int, float, float>> known;
-  for (const cv::KeyPoint& k : found.keypoints) known.insert({k.octave, k.pt.x, k.pt.y});
+  std::vector<std::tuple<int, float, float>> known;
+  known.reserve(found.keypoints.size());
+  for (const cv::KeyPoint& k : found.keypoints) known.emplace_back(k.octave, k.pt.x, k.pt.y);
+  std::sort(known.begin(), known.end());
   OrbFeatures out;
   const auto of_level = [&](const cv::Mat& image, int level) {
     if (static_cast<std::size_t>(level) >= found.corners.size()) return OrbFeatures();
@@ -181,7 +182,7 @@ OrbFeatures OrbExtractor::extract_more(const cv::Mat& grey, const OrbFeatures& f
     corners = spread(corners, image.size(), level);
     std::erase_if(corners, [&](const cv::KeyPoint& k) {
       const cv::Point2f pixel = image_pixel(k.pt, level);
-      return known.count({level, pixel.x, pixel.y}) > 0;
+      return std::binary_search(known.begin(), known.end(), std::tuple(level, pixel.x, pixel.y));
     });
     return corners.empty() ? OrbFeatures() : describe(image, std::move(corners), level);
   };

@@ -30,11 +30,17 @@ void DepthCorrector::apply(cv::Mat& depth) const {
       const auto* const offset = offset_.ptr<float>(v);
       for (int u = 0; u < depth.cols; ++u) {
         const float scale = 1.0F + offset[u] * z[u];
-        z[u] = scale > least ? z[u] / scale : 0.0F;
+        const float corrected = z[u] / scale;  // always, so that several are taken at a time
+        z[u] = scale > least ? corrected : 0.0F;
       }
     }
   }
-  if (bias_ != 0.0F) cv::add(depth, bias_, depth, depth > 0);
+  if (bias_ == 0.0F) return;
+  const float bias = bias_;
+  for (int v = 0; v < depth.rows; ++v) {
+    auto* const z = depth.ptr<float>(v);
+    for (int u = 0; u < depth.cols; ++u) z[u] += z[u] > 0.0F ? bias : 0.0F;
+  }
 }
 
 }  // namespace dkp_slam

@@ -123,10 +123,13 @@ SegmentMap segment_surfaces(const DepthView& view, const cv::Mat& excluded,
   for (int y = 0; y < view.depth.rows; ++y) {
     const float* depth = view.depth.ptr<float>(y);
     int* label = map.labels.ptr<int>(y);
-    for (int x = 0; x < view.depth.cols; ++x) {
-      if (label[x] == 0) continue;
-      const int root = roots[static_cast<std::size_t>(label[x])];
-      int& number = final_label[static_cast<std::size_t>(root)];
+    for (int x = 0; x < view.depth.cols;) {
+      const int provisional = label[x];
+      if (provisional == 0) {
+        ++x;
+        continue;
+      }
+      int& number = final_label[static_cast<std::size_t>(roots[static_cast<std::size_t>(provisional)])];
       if (number == 0) {
         map.segments.emplace_back();
         depth_sum.push_back(0.0);
@@ -135,12 +138,16 @@ SegmentMap segment_surfaces(const DepthView& view, const cv::Mat& excluded,
         number = static_cast<int>(map.segments.size());
       }
       const auto i = static_cast<std::size_t>(number - 1);
-      ++map.segments[i].area;
-      depth_sum[i] += static_cast<double>(depth[x]);
-      low[i].x = std::min(low[i].x, x);
-      high[i].x = std::max(high[i].x, x);
-      high[i].y = y;
-      label[x] = number;
+      const int first = x;
+      double sum = depth_sum[i];
+      for (; x < view.depth.cols && label[x] == provisional; ++x) {
+        sum += static_cast<double>(depth[x]);
+        label[x] = number;
+      }
+      depth_sum[i] = sum;
+      map.segments[i].area += x - first;
+      low[i].x = std::min(low[i].x, first);
+      high[i] = {std::max(high[i].x, x - 1), y};
     }
   }
   for (std::size_t i = 0; i < map.segments.size(); ++i) {

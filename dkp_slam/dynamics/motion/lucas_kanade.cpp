@@ -33,22 +33,20 @@ struct Avx2 {
   using InMemory = float __attribute__((vector_size(32), aligned(4), may_alias));
 };
 
-/// Eight bytes as floats. Spelled out, as the compiler converts one by one.
+/// Eight bytes as floats. Spelled out: converted at once the compiler takes them one by one, and
+/// copied into a vector they would go through the stack.
 DKP_SLAM_INLINE void to_floats(const std::uint8_t* from, float* to) {
+  using Longs = std::uint64_t __attribute__((vector_size(16)));
   using Bytes = std::uint8_t __attribute__((vector_size(16)));
   using Shorts = std::uint16_t __attribute__((vector_size(16)));
-  using Ints = std::int32_t __attribute__((vector_size(16)));
-  using Store = Baseline::InMemory;
-  Bytes bytes{};
-  std::memcpy(&bytes, from, lanes);
+  using Ints = std::int32_t __attribute__((vector_size(32)));
+  std::uint64_t eight = 0;
+  std::memcpy(&eight, from, lanes);
+  const auto bytes = reinterpret_cast<Bytes>(Longs{eight, 0});
   const auto shorts = reinterpret_cast<Shorts>(__builtin_shufflevector(
       bytes, Bytes{}, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23));
-  const auto low = __builtin_shufflevector(shorts, Shorts{}, 0, 8, 1, 9, 2, 10, 3, 11);
-  const auto high = __builtin_shufflevector(shorts, Shorts{}, 4, 12, 5, 13, 6, 14, 7, 15);
-  *reinterpret_cast<Store*>(to) =
-      __builtin_convertvector(reinterpret_cast<Ints>(low), Baseline::Register);
-  *reinterpret_cast<Store*>(to + 4) =
-      __builtin_convertvector(reinterpret_cast<Ints>(high), Baseline::Register);
+  *reinterpret_cast<Avx2::InMemory*>(to) =
+      __builtin_convertvector(__builtin_convertvector(shorts, Ints), EightFloats);
 }
 
 /// What is done with registers of one kind, `Baseline` or `Avx2`.
@@ -167,11 +165,12 @@ class Searcher {
     return std::clamp(corner - play, -window, image - 1 - 2 * play);
   }
 
-  /// `surroundings_` becomes the pixels from (`x`, `y`) on, as many as a window needs to move.
-  DKP_SLAM_INLINE void read_surroundings(const cv::Mat& image, int x, int y) {
+  /// `surroundings_` becomes the pixels from (`x`, `y`) on, `rows` of them and as many columns as a
+  /// window needs to move.
+  DKP_SLAM_INLINE void read_surroundings(const cv::Mat& image, int x, int y, int rows) {
     constexpr int step = lanes;
     const int width = width_ + 1 + 2 * play;
-    for (int row = 0; row < height_ + 1 + 2 * play; ++row) {
+    for (int row = 0; row < rows; ++row) {
       const std::uint8_t* in = image.data + (y + row) * static_cast<std::ptrdiff_t>(image.step) + x;
       float* out = surroundings_.row(row);
       for (int column = 0; column + step <= width; column += step)
@@ -188,50 +187,72 @@ class Searcher {
     if (!inside(image, corner)) return false;
     const int left = first_read(corner.x, width_, image.cols);
     const int top = first_read(corner.y, height_, image.rows);
-    read_surroundings(image, left, top);
+    read_surroundings(image, left, top, corner.y + height_ + 2 - top);
     using V = Vector<Kind>;
-    for (int y = 0; y < height_ + 2; ++y) {
-      const float* above = surroundings_.row(corner.y - 1 - top + y) + corner.x - 1 - left;
-      const float* below = surroundings_.row(corner.y - top + y) + corner.x - 1 - left;
-      for (int x = 0; x < width_ + 2; x += V::size) {
-        const auto over = V::interpolate(above + x, corner.right);
-        const auto under = V::interpolate(below + x, corner.right);
+    const int row = corner.y - 1 - top, column = corner.x - 1 - left;
+    for (int x = 0; x < width_ + 2; x += V::size) {
+      auto over = V::interpolate(surroundings_.row(row) + column + x, corner.right);
+      for (int y = 0; y < height_ + 2; ++y) {
+        const auto under =
+            V::interpolate(surroundings_.row(row + y + 1) + column + x, corner.right);
         V::store(over + corner.down * (under - over), wide_.row(y) + x);
+        over = under;
       }
     }
-    for (int y = 0; y < height_; ++y) differentiate<Kind>(y);
-    clear_outside(image, corner);
-    return invert_tensor<Kind>();
+    Tensor<Kind> tensor;
+    for (int x = 0; x < width_; x += V::size) differentiate<Kind>(x, tensor);
+    if (clear_outside(image, corner)) tensor = sum_tensor<Kind>();
+    return invert(tensor.xx.total(), tensor.xy.total(), tensor.yy.total());
   }
 
+  /// Structure tensor of a window, summed over its pixels.
   template <typename Kind>
-  DKP_SLAM_INLINE void differentiate(int y) {
+  struct Tensor {
+    Sums<Kind> xx, xy, yy;
+    template <typename Register>
+    DKP_SLAM_INLINE void add(int x, const Register& gx, const Register& gy) {
+      xx.add(x, gx, gx);
+      xy.add(x, gx, gy);
+      yy.add(x, gy, gy);
+    }
+  };
+
+  /// Of the columns from `x` on, as many as a register holds.
+  template <typename Kind>
+  DKP_SLAM_INLINE void differentiate(int x, Tensor<Kind>& tensor) {
     using V = Vector<Kind>;
     constexpr float side = 3.0F / 32.0F, middle = 10.0F / 32.0F;
-    for (int x = 0; x < width_; x += V::size) {
-      const float* above = wide_.row(y) + x;
-      const float* here = wide_.row(y + 1) + x;
-      const float* below = wide_.row(y + 2) + x;
-      const auto above_left = V::load(above), above_right = V::load(above + 2);
-      const auto below_left = V::load(below), below_right = V::load(below + 2);
-      V::store(V::load(here + 1), grey_.row(y) + x);
-      V::store(side * ((above_right - above_left) + (below_right - below_left)) +
-                   middle * (V::load(here + 2) - V::load(here)),
-               gradient_x_.row(y) + x);
-      V::store(side * ((below_left - above_left) + (below_right - above_right)) +
-                   middle * (V::load(below + 1) - V::load(above + 1)),
-               gradient_y_.row(y) + x);
+    struct Row {
+      typename V::Register left, middle, right;
+      explicit DKP_SLAM_INLINE Row(const float* from)
+          : left(V::load(from)), middle(V::load(from + 1)), right(V::load(from + 2)) {}
+    };
+    Row above(wide_.row(0) + x), here(wide_.row(1) + x);
+    for (int y = 0; y < height_; ++y) {
+      const Row below(wide_.row(y + 2) + x);
+      const typename V::Register gx =
+          side * ((above.right - above.left) + (below.right - below.left)) +
+          middle * (here.right - here.left);
+      const typename V::Register gy =
+          side * ((below.left - above.left) + (below.right - above.right)) +
+          middle * (below.middle - above.middle);
+      V::store(here.middle, grey_.row(y) + x);
+      V::store(gx, gradient_x_.row(y) + x);
+      V::store(gy, gradient_y_.row(y) + x);
+      tensor.add(x, gx, gy);
+      above = here;
+      here = below;
     }
   }
 
   /// Gradients beyond the window, to whole registers, and beyond the image count for nothing: the
-  /// border mirrors what moves the other way.
-  void clear_outside(const cv::Mat& image, const Place& corner) {
+  /// border mirrors what moves the other way. True where there are such.
+  bool clear_outside(const cv::Mat& image, const Place& corner) {
     const int left = std::max(0, -corner.x), right = std::min(width_, image.cols - corner.x);
     const int top = std::max(0, -corner.y), bottom = std::min(height_, image.rows - corner.y);
     const int end =
         (width_ + static_cast<int>(lanes) - 1) / static_cast<int>(lanes) * static_cast<int>(lanes);
-    if (left == 0 && right == end && top == 0 && bottom == height_) return;
+    if (left == 0 && right == end && top == 0 && bottom == height_) return false;
     for (int y = 0; y < height_; ++y) {
       const bool inside = y >= top && y < bottom;
       for (Rows* rows : {&gradient_x_, &gradient_y_}) {
@@ -240,22 +261,23 @@ class Searcher {
         std::fill(row + std::max(0, right), row + end, 0.0F);
       }
     }
+    return true;
   }
 
   template <typename Kind>
-  DKP_SLAM_INLINE bool invert_tensor() {
-    Sums<Kind> sum_xx, sum_xy, sum_yy;
+  DKP_SLAM_INLINE Tensor<Kind> sum_tensor() const {
+    Tensor<Kind> tensor;
     using V = Vector<Kind>;
     for (int x = 0; x < width_; x += V::size) {
       for (int y = 0; y < height_; ++y) {
-        const auto gx = V::load(gradient_x_.row(y) + x);
-        const auto gy = V::load(gradient_y_.row(y) + x);
-        sum_xx.add(x, gx, gx);
-        sum_xy.add(x, gx, gy);
-        sum_yy.add(x, gy, gy);
+        tensor.add(x, V::load(gradient_x_.row(y) + x), V::load(gradient_y_.row(y) + x));
       }
     }
-    const float xx = sum_xx.total(), xy = sum_xy.total(), yy = sum_yy.total();
+    return tensor;
+  }
+
+  /// False where the grey values do not vary in two directions.
+  bool invert(float xx, float xy, float yy) {
     // Smaller eigenvalue of a pixel's mean structure tensor, below which noise is all there is.
     constexpr float least = 0.1F;
     const float smaller = 0.5F * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4.0F * xy * xy));
@@ -281,7 +303,7 @@ class Searcher {
       if (!near) {
         left = first_read(corner.x, width_, image.cols);
         top = first_read(corner.y, height_, image.rows);
-        read_surroundings(image, left, top);
+        read_surroundings(image, left, top, height_ + 1 + 2 * play);
       }
       const cv::Point2f step = newton_step<Kind>(corner, corner.x - left, corner.y - top);
       at += step;
