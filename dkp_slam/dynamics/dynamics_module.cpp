@@ -94,6 +94,7 @@ void DynamicsModule::State::track(const cv::Mat& grey, const DetectionResult& an
                         object_flow(work.points, work.motion.tracks, previous_labels,
                                     parts.objects->objects().size()),
                         &history);
+  if (answer.answered) history.forget_before(answer.timestamp);
 }
 
 /// Where somebody whom no box holds bears most of the features the motion may be his: large planes

@@ -64,6 +64,11 @@ void MotionHistory::add(double time, const DepthView& view, const std::vector<cv
   while (steps_.size() > 2 && time - steps_[1].time > seconds_) steps_.pop_front();
 }
 
+void MotionHistory::forget_before(double time) {
+  // The image of a later moment may have been dropped: the frame before it stands for it.
+  while (steps_.size() > 1 && steps_[1].time <= time + same_time) steps_.pop_front();
+}
+
 void MotionHistory::set_ego_motion(const Se3& current_from_previous) {
   if (!steps_.empty()) steps_.back().current_from_previous = current_from_previous;
 }

@@ -44,6 +44,9 @@ class MotionHistory {
   /// the frame before.
   void add(double time, const DepthView& view, const std::vector<cv::Point2f>& points,
            const FlowResult& tracks);
+  /// Lets go of what is only asked for about images (seconds) before this one, as nothing is once
+  /// this one is answered: a second of depth takes 5 MB.
+  void forget_before(double time);
   /// Of the newest frame.
   void set_ego_motion(const Se3& current_from_previous);
 

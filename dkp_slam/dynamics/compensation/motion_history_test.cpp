@@ -99,6 +99,24 @@ TEST(MotionHistory, TakesTheSilhouettesDepth) {
   EXPECT_EQ(cv::countNonZero(carried->mask.mask), 50 * 100);  // pixels of the view
 }
 
+TEST(MotionHistory, ForgetsWhatIsBeforeAnAnswerAndNothingElse) {
+  const Scenery scenery;
+  const MotionHistory whole = history_of(scenery, 9);
+  MotionHistory rest = whole;
+  rest.forget_before(4.5 * interval);  // an image that was dropped
+  EXPECT_FALSE(rest.carry(scenery.box(3), {}, 3 * interval).has_value());
+  for (const double frame : {4.6, 5.0, 6.5, 8.0}) {
+    const cv::Rect2f box = scenery.box(static_cast<int>(frame));
+    const auto expected = whole.carry(box, {}, frame * interval);
+    const auto carried = rest.carry(box, {}, frame * interval);
+    ASSERT_TRUE(expected && carried) << frame;
+    EXPECT_EQ(carried->box, expected->box) << frame;
+    EXPECT_EQ(carried->velocity, expected->velocity) << frame;
+  }
+  rest.forget_before(100.0);  // a detector that runs ahead
+  EXPECT_TRUE(rest.carry(scenery.box(8), {}, 8 * interval).has_value());
+}
+
 TEST(MotionHistory, KnowsNothingOfWhatIsTooLongAgo) {
   const Scenery scenery;
   const MotionHistory history = history_of(scenery, 40);  // 1.95 s
