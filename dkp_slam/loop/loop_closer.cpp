@@ -32,13 +32,18 @@ LoopCloser::LoopCloser(const LoopCloserOptions& options, std::uint64_t seed, boo
       seed_(seed),
       realtime_(realtime),
       detector_(options.detector),
-      aligner_("loop alignment",
-               [](Meeting meeting, const std::atomic<bool>&) { return align(std::move(meeting)); }),
-      solver_("pose graph", [weight = options.loop_weight, graph = options.graph](
-                                const Problem& problem, const std::atomic<bool>& stop) {
-        return Solution{problem.graph.solve(problem.loops, weight, graph, &stop),
-                        problem.graph.first_later()};
-      }) {}
+      aligner_(
+          "loop alignment",
+          [](Meeting meeting, const std::atomic<bool>&) { return align(std::move(meeting)); },
+          realtime),
+      solver_(
+          "pose graph",
+          [weight = options.loop_weight, graph = options.graph](const Problem& problem,
+                                                                const std::atomic<bool>& stop) {
+            return Solution{problem.graph.solve(problem.loops, weight, graph, &stop),
+                            problem.graph.first_later()};
+          },
+          realtime) {}
 
 void LoopCloser::add_keyframe(int keyframe) {
   if (stage_ != Stage::looking && stage_ != Stage::aligning) return;

@@ -15,9 +15,12 @@ FullAdjustment::FullAdjustment(const Camera& camera, const MeasurementModel& mod
       model_(model),
       options_(options),
       realtime_(realtime),
-      worker_("full adjustment", [this](FullBundle bundle, const std::atomic<bool>& stop) {
-        return solve(std::move(bundle), stop);
-      }) {}
+      worker_(
+          "full adjustment",
+          [this](FullBundle bundle, const std::atomic<bool>& stop) {
+            return solve(std::move(bundle), stop);
+          },
+          realtime) {}
 
 void FullAdjustment::start(const Map& map, int keyframe) {
   stop();

@@ -17,11 +17,14 @@ Mapper::Mapper(Map& map, PlaceIndex& places, const MeasurementModel& model,
       options_(options),
       realtime_(realtime),
       full_adjustment_(map.camera(), model, options.full, realtime),
-      worker_("adjustment", [camera = map.camera(), model, bundle = options.bundle](
-                                BundleProblem problem, const std::atomic<bool>& stop) {
-        BundleSolution solution = adjust_bundle(camera, model, problem, bundle, &stop);
-        return Adjusted{std::move(problem), std::move(solution)};
-      }) {}
+      worker_(
+          "adjustment",
+          [camera = map.camera(), model, bundle = options.bundle](BundleProblem problem,
+                                                                  const std::atomic<bool>& stop) {
+            BundleSolution solution = adjust_bundle(camera, model, problem, bundle, &stop);
+            return Adjusted{std::move(problem), std::move(solution)};
+          },
+          realtime) {}
 
 int Mapper::insert_keyframe(Frame& frame) {
   wait();

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "dkp_slam/thread_priority.h"
 #include "dkp_slam/trace.h"
 
 namespace dkp_slam {
@@ -25,8 +26,9 @@ class Worker {
   using Solve = std::function<Solution(Problem problem, const std::atomic<bool>& stop)>;
 
   /// `name`, which must outlive the worker, is the thread's and that of its work in traces.
-  Worker(const char* name, Solve solve)
-      : name_(name), solve_(std::move(solve)), thread_([this] { work(); }) {}
+  /// `realtime`: nobody waits for the solution, and threads that are waited for go first.
+  Worker(const char* name, Solve solve, bool realtime = false)
+      : name_(name), realtime_(realtime), solve_(std::move(solve)), thread_([this] { work(); }) {}
   ~Worker() {
     abandon();
     {
@@ -89,6 +91,7 @@ class Worker {
 
   void work() {
     name_thread(name_);
+    if (realtime_) lower_priority();
     std::unique_lock lock(mutex_);
     while (true) {
       changed_.wait(lock, [&] { return closing_ || job_; });
@@ -114,6 +117,7 @@ class Worker {
   }
 
   const char* name_;
+  const bool realtime_;
   const Solve solve_;
   bool pending_ = false;                     // of the submitting thread alone
   std::shared_ptr<std::atomic<bool>> stop_;  // of the job submitted last

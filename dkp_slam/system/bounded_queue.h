@@ -27,11 +27,18 @@ class BoundedQueue {
 
   /// Never waits: when full, the oldest item goes. Returns how many went, 0 or 1.
   int push_newest(T item) {
+    return push_newest(std::move(item), [](const T&) { return false; });
+  }
+
+  /// The same, and the oldest ones that are `overdue` (of an item) go, full or not. Returns how
+  /// many went.
+  template <class Overdue>
+  int push_newest(T item, const Overdue& overdue) {
     const std::lock_guard lock(mutex_);
     int dropped = 0;
-    if (items_.size() >= capacity_) {
+    while (!items_.empty() && (items_.size() >= capacity_ || overdue(items_.front()))) {
       items_.pop_front();
-      dropped = 1;
+      ++dropped;
     }
     if (!closed_) items_.push_back(std::move(item));
     changed_.notify_all();

@@ -5,6 +5,7 @@
 
 #include "dkp_slam/stopwatch.h"
 #include "dkp_slam/system/usable_detections.h"
+#include "dkp_slam/thread_priority.h"
 #include "dkp_slam/trace.h"
 
 namespace dkp_slam {
@@ -12,15 +13,18 @@ namespace {
 
 /// Live the detector looks at no more images than a 30 Hz camera gives: with a faster one it would
 /// take all of a core, and objects are carried from one look to the next all the same.
-constexpr double least_look_ms = 30.0;
+constexpr std::chrono::milliseconds least_look(30);
+
+/// The same for as long after a frame was dropped as `behind` says: there is too little time for
+/// all, and of a look and a frame the frame is worth more.
+constexpr std::chrono::milliseconds late_look(66);
+constexpr std::chrono::seconds behind(1);
+
+/// Live a frame waits for the tracker no longer than this when the next one is there.
+constexpr std::chrono::milliseconds longest_queueing(45);
 
 /// So long after it was fed a startling frame goes on without an answer.
 constexpr std::chrono::milliseconds longest_wait(50);
-
-void rest_until(const Stopwatch& watch, double ms) {
-  const std::chrono::duration<double, std::milli> left(ms - watch.ms());
-  if (left.count() > 0.0) std::this_thread::sleep_for(left);
-}
 
 void find_features(const OrbExtractor& extractor, PreparedFrame& prepared) {
   const TraceSpan span("features", prepared.frame.index);
@@ -40,9 +44,10 @@ FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOption
       detecting_(detector_ != nullptr),
       startle_(startling),
       incoming_(line_capacity),
-      extracted_(line_capacity),
+      extracted_(live ? live_capacity : line_capacity),
       detected_(line_capacity),
       newest_frame_(1),
+      startled_(1),
       newest_detections_(1) {
   try {
     threads_.emplace_back([this] {
@@ -53,6 +58,7 @@ FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOption
     });
     threads_.emplace_back([this] {
       name_thread("detector");
+      if (live_) lower_priority();  // but for frames that wait for it, which take no time meanwhile
       run(live_ ? &FramePipeline::detect_newest : &FramePipeline::detect);
       if (live_) return;
       extracted_.close();
@@ -77,6 +83,7 @@ void FramePipeline::stop() {
     queue->close();
   }
   newest_frame_.close();
+  startled_.close();
   newest_detections_.close();
 }
 
@@ -87,6 +94,7 @@ bool FramePipeline::push(RgbdFrame frame) {
   if (!live_) return incoming_.push(std::move(prepared));
   prepared.startling = startle_.by(prepared.frame.timestamp, prepared.frame.depth);
   newest_frame_.push_newest(prepared.frame);
+  if (prepared.startling) startled_.push_newest(0);
   dropped_frames_ += incoming_.push_newest(std::move(prepared));
   return !incoming_.closed();
 }
@@ -129,7 +137,10 @@ void FramePipeline::extract() {
   while (std::optional<PreparedFrame> prepared = incoming_.pop()) {
     find_features(extractor, *prepared);
     if (live_) {
-      dropped_frames_ += extracted_.push_newest(std::move(*prepared));
+      const auto fed = prepared->fed;
+      dropped_frames_ += extracted_.push_newest(
+          std::move(*prepared),
+          [fed](const PreparedFrame& waiting) { return fed - waiting.fed > longest_queueing; });
     } else if (!extracted_.push(std::move(*prepared))) {
       return;
     }
@@ -150,8 +161,21 @@ void FramePipeline::detect_newest() {
     const Stopwatch watch;
     DetectionResult result = run_detector(*frame);
     if (result.answered) newest_detections_.push_newest({std::move(result), watch.ms()});
-    rest_until(watch, least_look_ms);
+    rest(watch);
   }
+}
+
+/// Until the next look is due, or somebody may have stepped into the view.
+void FramePipeline::rest(const Stopwatch& look) {
+  const auto now = std::chrono::steady_clock::now();
+  if (const int dropped = dropped_frames_; dropped > dropped_before_) {
+    dropped_before_ = dropped;
+    late_since_ = now;
+  }
+  const bool late = dropped_before_ > 0 && now - late_since_ < behind;
+  const std::chrono::duration<double, std::milli> taken(look.ms());
+  const auto left = (late ? late_look : least_look) - taken;
+  startled_.pop_until(now + std::chrono::duration_cast<std::chrono::microseconds>(left));
 }
 
 DetectionResult FramePipeline::run_detector(const RgbdFrame& frame) {

@@ -14,6 +14,7 @@
 #include "dkp_slam/detection/startle.h"
 #include "dkp_slam/feature/orb_extractor.h"
 #include "dkp_slam/sensor/rgbd_frame.h"
+#include "dkp_slam/stopwatch.h"
 #include "dkp_slam/system/bounded_queue.h"
 
 namespace dkp_slam {
@@ -33,6 +34,11 @@ struct PreparedFrame {
 /// Frames between two stages. More would even out little and hold 2.5 MB each at 640 x 480.
 inline constexpr int line_capacity = 1;
 
+/// The same before the tracker of a live camera, whose frames wait for 45 ms and no longer: two at
+/// 30 Hz, three at 60. A frame in which much is asked (a keyframe, somebody who steps in) takes
+/// longer than the next one's interval there, and those after it make up for it.
+inline constexpr int live_capacity = 3;
+
 /// Frames that come in while the detector does not answer, offline: in the lines before it and in
 /// the two stages.
 inline constexpr int room_before_answer = 2 * line_capacity + 2;
@@ -43,8 +49,9 @@ inline constexpr int room_before_answer = 2 * line_capacity + 2;
 /// Offline the stages form a line (features, detections) through queues of one frame, so every
 /// frame gets its own detections and the result does not depend on timing. Live the detector works
 /// beside the line, on the newest frame, and frames that come too fast are dropped, the oldest
-/// first. A frame into which somebody may have stepped (the first, after a gap, or much is nearer
-/// than all about it was) waits for its own answer, 50 ms at most: else people would be the room.
+/// first; while that happens the detector looks half as often. A frame into which somebody may have
+/// stepped (the first, after a gap, or much is nearer than all about it was) waits for its own
+/// answer, 50 ms at most: else people would be the room.
 ///
 /// A detector that throws is not called again; frames go on without detections.
 class FramePipeline {
@@ -77,6 +84,7 @@ class FramePipeline {
   void detect();
   void detect_newest();
   DetectionResult run_detector(const RgbdFrame& frame);
+  void rest(const Stopwatch& look);
   void take_answer(PreparedFrame& frame);
   void give_up_detector(int frame_index, const char* reason);
 
@@ -87,10 +95,13 @@ class FramePipeline {
   Startle startle_;
   BoundedQueue<PreparedFrame> incoming_, extracted_, detected_;
   BoundedQueue<RgbdFrame> newest_frame_;
+  BoundedQueue<char> startled_;  // wakes the detector from its rest
   BoundedQueue<std::pair<DetectionResult, double>> newest_detections_;
   std::mutex error_mutex_;
   std::exception_ptr error_;  // the first that ended a stage; written before its queue closes
   std::atomic<int> dropped_frames_{0};
+  int dropped_before_ = 0;                              // of those, known to the detector's thread
+  std::chrono::steady_clock::time_point late_since_{};  // when it last learnt of one
   std::atomic<int> detector_failures_{0};
   std::vector<std::thread> threads_;
 };

@@ -196,6 +196,35 @@ TEST(FramePipeline, LiveAFrameIntoWhichSomebodyStepsWaitsForItsOwnAnswer) {
   }
 }
 
+TEST(FramePipeline, LiveSomebodyWhoStepsInEndsTheDetectorsRest) {
+  FramePipeline pipeline(std::make_unique<IndexDetector>([](int) {}), {}, live);
+  const auto frame_of = [](int i) {
+    RgbdFrame frame = noise_frame(i);
+    frame.timestamp = 100.0 + i / 30.0;
+    frame.colour = frame.colour(cv::Rect(0, 0, 160, 120)).clone();  // features take no time
+    frame.depth = cv::Mat(frame.colour.size(), CV_32FC1, cv::Scalar(3.0));
+    return frame;
+  };
+  // Nobody takes these: the detector learns that there is too little time, and rests longer than
+  // somebody who steps in is waited for.
+  int i = 0;
+  while (pipeline.dropped_frames() < 20) pipeline.push(frame_of(++i));
+  while (pipeline.next()->frame.index < i) continue;
+  for (int n = 0; n < 10; ++n) {
+    const RgbdFrame after_gap = frame_of(i += 40);
+    pipeline.push(after_gap);
+    auto prepared = pipeline.next();
+    ASSERT_TRUE(prepared && prepared->startling);
+    EXPECT_EQ(prepared->detections.timestamp, after_gap.timestamp) << n;
+    RgbdFrame nearer = frame_of(++i);
+    nearer.depth.colRange(0, nearer.depth.cols / 4).setTo(1.0);
+    pipeline.push(nearer);
+    prepared = pipeline.next();
+    ASSERT_TRUE(prepared && prepared->startling);
+    EXPECT_EQ(prepared->detections.timestamp, nearer.timestamp) << n;
+  }
+}
+
 TEST(FramePipeline, LiveTheOldestFramesAreDropped) {
   FramePipeline pipeline(nullptr, {}, live);
   for (int i = 0; i < 200; ++i) pipeline.push(noise_frame(i));
