@@ -84,6 +84,48 @@ void find_flat_segments(const DepthView& view, const SegmentOptions& options, Se
   }
 }
 
+/// Second pass: the roots of provisional labels become consecutive numbers, and segments.
+void number_segments(const DepthView& view, const std::vector<int>& roots, SegmentMap& map) {
+  std::vector<int> final_label(roots.size(), 0);
+  std::vector<double> depth_sum;
+  std::vector<cv::Point> low, high;
+  for (int y = 0; y < view.depth.rows; ++y) {
+    const float* depth = view.depth.ptr<float>(y);
+    int* label = map.labels.ptr<int>(y);
+    for (int x = 0; x < view.depth.cols;) {
+      const int provisional = label[x];
+      if (provisional == 0) {
+        ++x;
+        continue;
+      }
+      const int root = roots[static_cast<std::size_t>(provisional)];
+      int& number = final_label[static_cast<std::size_t>(root)];
+      if (number == 0) {
+        map.segments.emplace_back();
+        depth_sum.push_back(0.0);
+        low.emplace_back(x, y);
+        high.emplace_back(x, y);
+        number = static_cast<int>(map.segments.size());
+      }
+      const auto i = static_cast<std::size_t>(number - 1);
+      const int first = x;
+      double sum = depth_sum[i];
+      for (; x < view.depth.cols && label[x] == provisional; ++x) {
+        sum += static_cast<double>(depth[x]);
+        label[x] = number;
+      }
+      depth_sum[i] = sum;
+      map.segments[i].area += x - first;
+      low[i].x = std::min(low[i].x, first);
+      high[i] = {std::max(high[i].x, x - 1), y};
+    }
+  }
+  for (std::size_t i = 0; i < map.segments.size(); ++i) {
+    map.segments[i].mean_depth = static_cast<float>(depth_sum[i] / map.segments[i].area);
+    map.segments[i].box = cv::Rect(low[i], high[i] + cv::Point(1, 1));
+  }
+}
+
 }  // namespace
 
 SegmentMap segment_surfaces(const DepthView& view, const cv::Mat& excluded,
@@ -115,45 +157,7 @@ SegmentMap segment_surfaces(const DepthView& view, const cv::Mat& excluded,
       }
     }
   }
-  // Second pass: roots become consecutive numbers.
-  const std::vector<int> roots = sets.roots();
-  std::vector<int> final_label(roots.size(), 0);
-  std::vector<double> depth_sum;
-  std::vector<cv::Point> low, high;
-  for (int y = 0; y < view.depth.rows; ++y) {
-    const float* depth = view.depth.ptr<float>(y);
-    int* label = map.labels.ptr<int>(y);
-    for (int x = 0; x < view.depth.cols;) {
-      const int provisional = label[x];
-      if (provisional == 0) {
-        ++x;
-        continue;
-      }
-      int& number = final_label[static_cast<std::size_t>(roots[static_cast<std::size_t>(provisional)])];
-      if (number == 0) {
-        map.segments.emplace_back();
-        depth_sum.push_back(0.0);
-        low.emplace_back(x, y);
-        high.emplace_back(x, y);
-        number = static_cast<int>(map.segments.size());
-      }
-      const auto i = static_cast<std::size_t>(number - 1);
-      const int first = x;
-      double sum = depth_sum[i];
-      for (; x < view.depth.cols && label[x] == provisional; ++x) {
-        sum += static_cast<double>(depth[x]);
-        label[x] = number;
-      }
-      depth_sum[i] = sum;
-      map.segments[i].area += x - first;
-      low[i].x = std::min(low[i].x, first);
-      high[i] = {std::max(high[i].x, x - 1), y};
-    }
-  }
-  for (std::size_t i = 0; i < map.segments.size(); ++i) {
-    map.segments[i].mean_depth = static_cast<float>(depth_sum[i] / map.segments[i].area);
-    map.segments[i].box = cv::Rect(low[i], high[i] + cv::Point(1, 1));
-  }
+  number_segments(view, sets.roots(), map);
   find_flat_segments(view, options, map);
   return map;
 }
