@@ -87,7 +87,7 @@ def start_ms(program, arguments):
     return 1000.0 * (time.perf_counter() - begin)
 
 
-def one_frame(program, sequence, camera, scratch):
+def one_frame(program, sequence, scratch):
     """Arguments that run one frame alone: of the first colour image that has depth, which the camera's delay decides."""
     folder = scratch / "one"
     folder.mkdir()
@@ -97,7 +97,7 @@ def one_frame(program, sequence, camera, scratch):
         [line for line in (sequence / name).read_text().splitlines() if line and line[0] != "#"]
         for name in ("rgb.txt", "depth.txt"))
     (folder / "depth.txt").write_text("\n".join(depth[:30]) + "\n")
-    arguments = ["run", str(folder), *camera, "--out", str(scratch / "run")]
+    arguments = ["run", str(folder), *camera_of(sequence), "--out", str(scratch / "run")]
     for line in colour[:20]:
         (folder / "rgb.txt").write_text(line + "\n")
         if subprocess.run([program, *arguments], capture_output=True).returncode == 0:
@@ -147,8 +147,7 @@ def main():
                     lines.append(f"| {sequence.name} | {mode} | {'AB'[number]} | " + " | ".join(cells)
                                  + f" | {times:.3f} |")
                     print(lines[-1], flush=True)
-        camera = camera_of(options.sequences[0])
-        alone = one_frame(programs[0], options.sequences[0], camera, scratch)
+        alone = one_frame(programs[0], options.sequences[0], scratch)
         lines += ["", "| build | `--version`, ms | whole process for one frame, ms |", "|---|---:|---:|"]
         for number, program in enumerate(programs):
             version = statistics.median(start_ms(program, ["--version"]) for _ in range(5 * options.rounds))

@@ -58,7 +58,7 @@ FramePipeline::FramePipeline(std::unique_ptr<Detector> detector, const OrbOption
     });
     threads_.emplace_back([this] {
       name_thread("detector");
-      if (live_) lower_priority();  // but for frames that wait for it, which take no time meanwhile
+      if (live_) lower_priority();  // a frame that waits for its answer leaves it the time
       run(live_ ? &FramePipeline::detect_newest : &FramePipeline::detect);
       if (live_) return;
       extracted_.close();
@@ -158,24 +158,23 @@ void FramePipeline::detect() {
 
 void FramePipeline::detect_newest() {
   while (std::optional<RgbdFrame> frame = newest_frame_.pop()) {
+    const auto began = std::chrono::steady_clock::now();
     const Stopwatch watch;
     DetectionResult result = run_detector(*frame);
     if (result.answered) newest_detections_.push_newest({std::move(result), watch.ms()});
-    rest(watch);
+    rest(began);
   }
 }
 
-/// Until the next look is due, or somebody may have stepped into the view.
-void FramePipeline::rest(const Stopwatch& look) {
+/// After a look that began then, until the next one is due or somebody may have stepped into the
+/// view.
+void FramePipeline::rest(std::chrono::steady_clock::time_point began) {
   const auto now = std::chrono::steady_clock::now();
   if (const int dropped = dropped_frames_; dropped > dropped_before_) {
     dropped_before_ = dropped;
-    late_since_ = now;
+    late_until_ = now + behind;
   }
-  const bool late = dropped_before_ > 0 && now - late_since_ < behind;
-  const std::chrono::duration<double, std::milli> taken(look.ms());
-  const auto left = (late ? late_look : least_look) - taken;
-  startled_.pop_until(now + std::chrono::duration_cast<std::chrono::microseconds>(left));
+  startled_.pop_until(began + (now < late_until_ ? late_look : least_look));
 }
 
 DetectionResult FramePipeline::run_detector(const RgbdFrame& frame) {

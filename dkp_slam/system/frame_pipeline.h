@@ -14,7 +14,6 @@
 #include "dkp_slam/detection/startle.h"
 #include "dkp_slam/feature/orb_extractor.h"
 #include "dkp_slam/sensor/rgbd_frame.h"
-#include "dkp_slam/stopwatch.h"
 #include "dkp_slam/system/bounded_queue.h"
 
 namespace dkp_slam {
@@ -84,7 +83,7 @@ class FramePipeline {
   void detect();
   void detect_newest();
   DetectionResult run_detector(const RgbdFrame& frame);
-  void rest(const Stopwatch& look);
+  void rest(std::chrono::steady_clock::time_point began);
   void take_answer(PreparedFrame& frame);
   void give_up_detector(int frame_index, const char* reason);
 
@@ -100,8 +99,10 @@ class FramePipeline {
   std::mutex error_mutex_;
   std::exception_ptr error_;  // the first that ended a stage; written before its queue closes
   std::atomic<int> dropped_frames_{0};
-  int dropped_before_ = 0;                              // of those, known to the detector's thread
-  std::chrono::steady_clock::time_point late_since_{};  // when it last learnt of one
+  // Of the detector's thread alone: how many of those it knows of, and until when it looks less
+  // often for them.
+  int dropped_before_ = 0;
+  std::chrono::steady_clock::time_point late_until_;
   std::atomic<int> detector_failures_{0};
   std::vector<std::thread> threads_;
 };
