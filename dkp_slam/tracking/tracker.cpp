@@ -81,6 +81,13 @@ bool Tracker::localize(Frame& frame) {
     if (found) correct_shutter(frame, frame.camera_from_world * last_.camera_from_world.inverse());
     found = found && track_local_map(frame);
   }
+  // After a gap a few landmarks agree by chance: another place may have more, and if none has...
+  std::optional<Doubtful> doubtful;
+  if (found && comes_after_gap(frame) && tracked_landmarks_ < options_.least_for_motion) {
+    doubtful = {frame, tracked_landmarks_};
+    forget_place(frame);
+    found = false;
+  }
   if (!found && relocalize(map_, places_, model_, seed_, frame) && track_local_map(frame)) {
     // The place may lie in another map, and the way there is no motion of the camera.
     const int here = map_.keyframe(frame.reference_keyframe).map;
@@ -92,17 +99,40 @@ bool Tracker::localize(Frame& frame) {
   }
   if (!found) {
     follow_motion_since_last(frame);
-    if (!find_near(frame, Trust::masks) && !carry_by_motion(frame) &&
-        !find_near(frame, Trust::map)) {
-      return false;
+    if (!find_near(frame, Trust::masks) && !carry_by_motion(frame)) {
+      // ... they have to do.
+      if (!doubtful && !find_near(frame, Trust::map)) return false;
+      if (doubtful) {
+        frame = std::move(doubtful->frame);
+        tracked_landmarks_ = doubtful->tracked;
+      }
     }
   }
+  if (begun_on_people(frame)) return false;
   // Only well-founded poses tell how the camera moves: a poor one would be carried on for frames.
   if (tracked_landmarks_ >= options_.least_for_motion) {
     motion_ = frame.camera_from_world * last_.camera_from_world.inverse();
     motion_time_ = frame.timestamp - last_.timestamp;
   }
   return true;
+}
+
+/// Whether the map was out of sight before this frame, and nobody measured how the camera moved.
+bool Tracker::comes_after_gap(const Frame& frame) const {
+  return state_ == TrackingState::tracking && !frame.current_from_previous &&
+         frame.timestamp - map_time_ >= options_.longest_steady;
+}
+
+void Tracker::forget_place(Frame& frame) const {
+  frame.reference_keyframe = last_.reference_keyframe;
+  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+}
+
+/// Whether the second frame of a map lies farther from the first than a camera is carried.
+bool Tracker::begun_on_people(const Frame& frame) const {
+  if (map_time_ > begun_) return false;
+  const Se3 step = frame.camera_from_world * last_.camera_from_world.inverse();
+  return step.translation.norm() > options_.most_first_speed * (frame.timestamp - last_.timestamp);
 }
 
 /// Whether a frame that can be carried no longer shows enough of a room to go on from there.
@@ -170,14 +200,18 @@ bool Tracker::track_by_motion(Frame& frame) {
   const double passed = frame.timestamp - last_.timestamp;
   const Se3 predicted = predicted_motion(frame) * last_.camera_from_world;
   int found = follow_landmarks(predicted, frame);
-  if (found > 0 && found < options_.sure_from_motion && motion_time_ > 0.0 &&
-      frame.timestamp - map_time_ < options_.longest_steady) {
-    // Where people fill the view the measured motion may be theirs. Nearly as many landmarks found
-    // from elsewhere are no proof of that.
+  constexpr double longest_gap = 0.5;  // seconds: a hand has turned back by then
+  const bool gap = comes_after_gap(frame);
+  const double longest = gap ? longest_gap : options_.longest_steady;
+  if ((found > 0 || gap) && found < options_.sure_from_motion && motion_time_ > 0.0 &&
+      frame.timestamp - map_time_ < longest) {
+    // Where people fill the view the measured motion may be theirs, and over a gap nothing but the
+    // last motion tells anything. Nearly as many landmarks found from elsewhere are no proof.
     constexpr double clearly_more = 1.5;
+    const int least = gap ? options_.least_for_motion : 0;
     Frame other = frame;
     const int more = follow_landmarks(motion_over(passed) * last_.camera_from_world, other);
-    if (more > clearly_more * found) {
+    if (more > clearly_more * found && more >= least) {
       frame = std::move(other);
       found = more;
     }
@@ -228,8 +262,7 @@ bool Tracker::find_near(Frame& frame, Trust trust) {
       track_local_map(frame)) {
     return true;
   }
-  frame.reference_keyframe = last_.reference_keyframe;
-  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  forget_place(frame);
   frame.is_static = is_static;
   return false;
 }
@@ -244,8 +277,7 @@ bool Tracker::carry_by_motion(Frame& frame) {
   if (!can_be_carried(frame)) return false;
   if (frame.timestamp - map_time_ > options_.longest_carry) return false;
   frame.camera_from_world = predicted_motion(frame) * last_.camera_from_world;
-  frame.reference_keyframe = last_.reference_keyframe;
-  std::fill(frame.landmark.begin(), frame.landmark.end(), -1);
+  forget_place(frame);
   spdlog::debug("frame {}: carried by its motion, {} landmarks tracked", frame.index,
                 tracked_landmarks_);
   tracked_landmarks_ = 0;

@@ -60,6 +60,9 @@ struct TrackerOptions {
   /// long as the map was followed: one of a moment is not worth waiting for. Sooner, and a hand
   /// over the lens would leave pieces behind; later, and what lies between is never mapped.
   double longest_loss = 1.0;
+  /// Speed, m/s, by which the second frame of a map may lie from its first. Nobody carries a camera
+  /// faster: where it seems so, the map was begun on people, and another one is begun.
+  double most_first_speed = 4.0;
   int least_for_motion = 40;  ///< landmarks tracked in a frame whose motion is believed
   /// Bounds for a measured motion to be believed against constant velocity, m/s^2 and rad/s^2: a
   /// hand-held camera that is shaken stays under 20 and 60.
@@ -129,6 +132,9 @@ class Tracker {
   bool can_start(const Frame& frame) const;
   TrackingResult initialize(const Frame& frame);
   bool localize(Frame& frame);
+  bool comes_after_gap(const Frame& frame) const;
+  void forget_place(Frame& frame) const;
+  bool begun_on_people(const Frame& frame) const;
   bool goes_on_elsewhere(const Frame& frame) const;
   TrackingResult go_on_in_another_map(Frame& frame);
   TrackingResult start_another_map(Frame& frame);
@@ -154,6 +160,11 @@ class Tracker {
   void follow_map_changes();
   void remember(const Frame& frame);
 
+  /// A frame with a pose that few landmarks agree on.
+  struct Doubtful {
+    Frame frame;
+    int tracked = 0;
+  };
   static constexpr double long_ago = std::numeric_limits<double>::lowest();
 
   Map& map_;

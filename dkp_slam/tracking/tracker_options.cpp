@@ -36,6 +36,8 @@ void TrackerOptions::describe(OptionList& list) {
   list.add("longest_loss", longest_loss, at_least(0), "seconds",
            "without a localised frame until another map is begun; twice the time that the map was "
            "followed where that is less");
+  list.add("most_first_speed", most_first_speed, above(0), "m/s",
+           "by which a map's second frame may lie from its first; beyond, another map is begun");
   list.add("least_for_motion", least_for_motion, at_least(3), "",
            "landmarks tracked in a frame whose motion is believed");
   list.add("most_acceleration", most_acceleration, above(0), "m/s^2",

@@ -139,6 +139,34 @@ TEST_F(Tracking, FindsItselfBehindAMaskThatIsWrong) {
   }
 }
 
+TEST_F(Tracking, IsSoughtWhereItsLastMotionLeadsAfterAGap) {
+  fill_index = false;
+  // Points that look like each other: only where they lie tells them apart.
+  for (std::size_t p = 0; p < world.descriptors.size(); ++p) {
+    world.descriptors[p] = world.descriptors[p - p % 20];
+  }
+  const auto fast = [](int i) { return pose(0.1 * i, 0.0, 0.0); };
+  for (int i = 0; i < 5; ++i) {
+    Frame frame = frame_at(fast(i), i);
+    ASSERT_TRUE(track(frame).localised) << i;
+  }
+  Frame frame = frame_at(fast(11), 11);
+  ASSERT_TRUE(track(frame).localised);
+  EXPECT_GE(tracker().tracked_landmarks(), options.least_for_motion);
+  EXPECT_LT(pose_distance(frame.camera_from_world, fast(11)), 2e-3);
+}
+
+TEST_F(Tracking, IsPlacedByFewLandmarksAfterAGapWhereNothingElseTells) {
+  fill_index = false;
+  options.least_for_motion = 300;  // all are few
+  follow(0, 5);
+  Frame frame = frame_at(steady(11), 11);
+  ASSERT_TRUE(track(frame).localised);
+  EXPECT_GE(tracker().tracked_landmarks(), options.least_inliers);
+  EXPECT_EQ(tracker().tracked_landmarks(), frame.tracked_landmarks());
+  EXPECT_LT(pose_distance(frame.camera_from_world, steady(11)), 2e-3);
+}
+
 TEST_F(Tracking, IsCarriedByAMeasuredMotionOnly) {
   follow(0, 5);
   Frame frame = covered(5);
@@ -279,6 +307,27 @@ TEST_F(Tracking, BeginsAnotherMapWhenLostForTooLong) {
 }
 
 TEST_F(Tracking, WaitsForAMapTwiceAsLongAsItFollowedIt) { expect_another_map_after(*this, 5, 8); }
+
+TEST_F(Tracking, BeginsAnotherMapWhereItsFirstStepIsFasterThanACameraIsCarried) {
+  fill_index = false;
+  // Who takes up the view moved, and the map's first keyframe is of nothing else.
+  const auto maps_after_step = [&](int seen, double speed) {
+    follow(0, seen);
+    const Se3 truth = pose(0.01 * (seen - 1) + speed / 30.0, 0.0, 0.0);
+    Frame frame = frame_at(truth, seen);
+    EXPECT_TRUE(track(frame).localised);
+    const int maps = map.maps();
+    if (maps == 1) {
+      EXPECT_LT(pose_distance(frame.camera_from_world, truth), 2e-3);
+    }
+    map = Map(world.camera, 1.2F, 8);
+    made_.reset();
+    return maps;
+  };
+  EXPECT_EQ(maps_after_step(1, 0.95 * options.most_first_speed), 1);
+  EXPECT_EQ(maps_after_step(1, 1.05 * options.most_first_speed), 2);
+  EXPECT_EQ(maps_after_step(2, 1.05 * options.most_first_speed), 1) << "the map has proved itself";
+}
 
 TEST_F(Tracking, GoesOnInAnotherMapWhereItWasCarriedOutOfTheFirst) {
   options.least_to_go_on = 250;

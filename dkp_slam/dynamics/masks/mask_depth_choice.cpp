@@ -10,7 +10,8 @@
 namespace dkp_slam {
 namespace {
 
-constexpr int fewest_pixels = 30;  // of the view, for a comparison
+constexpr int fewest_pixels = 30;   // of the view, for a comparison
+constexpr double sure_times = 2.0;  // the sigmas that a choice takes
 
 cv::Mat seen_by_view(const cv::Mat& image) {
   cv::Mat view;
@@ -57,7 +58,9 @@ OutlineGradients outline_gradients(const cv::Mat& grey, const cv::Mat& first,
 }
 
 bool MaskDepthChoice::wants_comparison() {
-  return options_.every > 0 && frame_++ % options_.every == 0;
+  if (options_.every <= 0) return false;
+  const bool sure = sigmas_ > sure_times * options_.sigmas;
+  return frame_++ % (sure ? 2 * options_.every : options_.every) == 0;
 }
 
 void MaskDepthChoice::compare(const cv::Mat& grey, const cv::Mat& by_moment,
@@ -69,8 +72,8 @@ void MaskDepthChoice::compare(const cv::Mat& grey, const cv::Mat& by_moment,
   const double weight = static_cast<double>(g.pixels) * g.pixels;
   sum_ = options_.forget * sum_ + weight * difference;
   squares_ = options_.forget * options_.forget * squares_ + weight * weight;
-  const double sigma = options_.spread * std::sqrt(squares_);
-  if (std::abs(sum_) > options_.sigmas * sigma) stamped_ = sum_ > 0.0;
+  sigmas_ = std::abs(sum_) / (options_.spread * std::sqrt(squares_));
+  if (sigmas_ > options_.sigmas) stamped_ = sum_ > 0.0;
 }
 
 }  // namespace dkp_slam

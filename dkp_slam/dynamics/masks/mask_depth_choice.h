@@ -36,7 +36,8 @@ class MaskDepthChoice {
  public:
   explicit MaskDepthChoice(const MaskDepthOptions& options) : options_(options) {}
 
-  /// To be asked once for every frame that has both: whether to compare this time.
+  /// To be asked once for every frame that has both: whether to compare this time. Half as often
+  /// as `MaskDepthOptions::every` has it while what was seen leaves no doubt.
   bool wants_comparison();
   /// Masks cut from `RgbdFrame::depth` and from the stamped one.
   void compare(const cv::Mat& grey, const cv::Mat& by_moment, const cv::Mat& by_stamp);
@@ -48,6 +49,7 @@ class MaskDepthChoice {
   int frame_ = 0;
   double sum_ = 0.0;      // of weighted differences, stamped less moment
   double squares_ = 0.0;  // of their weights
+  double sigmas_ = 0.0;   // of the sum, by which one fits better
   bool stamped_ = false;
 };
 

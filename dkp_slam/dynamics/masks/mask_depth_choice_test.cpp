@@ -68,6 +68,12 @@ TEST(MaskDepthChoice, IsAskedForEveryFewFramesOrNever) {
   std::vector<bool> asked;
   for (int i = 0; i < 5; ++i) asked.push_back(choice.wants_comparison());
   EXPECT_EQ(asked, (std::vector<bool>{true, false, false, true, false}));
+  // Half as often once there is no doubt.
+  const cv::Mat grey = somebody(200, bright);
+  for (int i = 0; i < 10; ++i) choice.compare(grey, somebody(215, 1), somebody(200, 1));
+  int comparisons = 0;
+  for (int i = 0; i < 60; ++i) comparisons += choice.wants_comparison();
+  EXPECT_EQ(comparisons, 10);
   options.every = 0;
   MaskDepthChoice never(options);
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(never.wants_comparison());

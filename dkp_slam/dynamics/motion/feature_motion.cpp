@@ -99,6 +99,14 @@ std::optional<ExpectedMotion> FeatureMotionEstimator::expect() const {
   return expected;
 }
 
+/// Whether somebody who carries the camera could have moved it so from the frame before.
+bool FeatureMotionEstimator::could_be_carried(const Se3& motion) const {
+  constexpr double fastest = 4.0, fastest_turn = 10.0;  // m/s, rad/s
+  const double passed = steps_.size() < 2 ? 0.0 : steps_[0].time - steps_[1].time;
+  if (passed <= 0.0) return true;
+  return motion.translation.norm() <= fastest * passed && motion.angle() <= fastest_turn * passed;
+}
+
 std::vector<cv::Point2f> FeatureMotionEstimator::predict(
     const cv::Mat& depth, const std::vector<cv::Point2f>& points,
     const std::vector<cv::Point2f>& flat) const {
@@ -218,10 +226,15 @@ void FeatureMotionEstimator::measure_ego_motion(const cv::Mat& depth,
                                                 const std::vector<cv::Point2f>& points,
                                                 const std::vector<std::uint8_t>& low,
                                                 std::uint64_t seed, FeatureMotion& motion) {
-  const ExpectedMotion expected = expect().value_or(ExpectedMotion());
+  const std::optional<ExpectedMotion> known = expect();
+  const ExpectedMotion expected = known.value_or(ExpectedMotion());
   motion.camera_motion = estimate_motion(camera_, motion_points(depth, points, low, motion),
                                          expected, options_.motion, seed);
   if (!motion.camera_motion) return;
+  if (!known && !could_be_carried(motion.camera_motion->previous_from_current)) {
+    motion.camera_motion.reset();
+    return;
+  }
   steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
   if (camera_.readout > 0.0) {
     // The motion tells what the rolling shutter did, and that refines the motion.

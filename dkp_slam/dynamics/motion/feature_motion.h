@@ -115,6 +115,7 @@ class FeatureMotionEstimator {
     std::optional<Se3> previous_from_this;
   };
   std::optional<ExpectedMotion> expect() const;
+  bool could_be_carried(const Se3& motion) const;
   std::vector<cv::Point2f> predict(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                                    const std::vector<cv::Point2f>& flat) const;
   std::vector<MotionPoint> motion_points(const cv::Mat& depth,

@@ -101,6 +101,22 @@ TEST(FeatureMotion, IsMeasuredAnewFromSupportThatTellsAnother) {
   EXPECT_FALSE(estimator.measure_ego_motion_anew(depth, at, room, 1, motion)) << "it is that";
 }
 
+TEST(FeatureMotion, IsNotToldWhereNobodyCarriesACameraSoFast) {
+  const double shift =
+      6.0;  // pixels, 46 mm: 1.4 m/s in a thirtieth of a second, 4.6 in a hundredth
+  const cv::Mat depth(height, width, CV_32FC1, cv::Scalar(wall));
+  const std::vector<cv::Point2f> at = points(40, 40);
+  for (const double passed : {1.0 / 30.0, 0.01}) {
+    FeatureMotionOptions options;
+    options.coarse_rotation = false;
+    FeatureMotionEstimator estimator(camera(), options);
+    estimator.track(picture(0, 0), depth, at, {}, {}, 0.0);
+    FeatureMotion motion = estimator.track(picture(shift, shift), depth, at, {}, {}, passed);
+    estimator.measure_ego_motion(depth, at, std::vector<std::uint8_t>(at.size(), 1), 1, motion);
+    EXPECT_EQ(motion.camera_motion.has_value(), passed > 0.02);
+  }
+}
+
 TEST(FeatureMotion, IsRefinedByMoreThatAgreesWithIt) {
   // What is at the left is a pixel off, as where a motion told by one corner of the image leads.
   const double shift = 6.0, off = 1.0;

@@ -40,6 +40,14 @@ Plane least_squares(const std::vector<Eigen::Vector3f>& points) {
           static_cast<float>(width)};
 }
 
+/// A plane that runs through the camera, or nearly so, is no surface that it sees: it joins things.
+bool seen_edge_on(const Plane& plane, const std::vector<Eigen::Vector3f>& points) {
+  constexpr float least = 0.05F;  // of the points' mean distance: the sine of 3 degrees
+  float sum = 0.0F;
+  for (const Eigen::Vector3f& p : points) sum += p.norm();
+  return std::abs(plane.distance) * static_cast<float>(points.size()) < least * sum;
+}
+
 /// The plane that most of the points lie on, for `ransac`.
 class LargestPlane {
  public:
@@ -176,7 +184,8 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
                  [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });
     best = least_squares(inliers);
     const bool room = static_cast<double>(best.extent) >= options.min_extent &&
-                      static_cast<double>(best.width) >= options.min_width;
+                      static_cast<double>(best.width) >= options.min_width &&
+                      !seen_edge_on(best, inliers);
     if (room) planes.push_back(best);
     std::erase_if(points, [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });
   }

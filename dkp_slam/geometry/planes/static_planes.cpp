@@ -52,14 +52,27 @@ bool StaticPlanes::runs_through_people(const DepthView& view, const cv::Mat& peo
 void StaticPlanes::look(const DepthView& view, const cv::Mat& hidden, const cv::Mat& people,
                         double time, std::uint64_t seed) {
   std::vector<Plane> found = fit_planes(view, hidden, plane_options_, seed);
-  const auto proved = [&](const Known& k) { return is_proved(k); };
   if (!people.empty()) {
     std::erase_if(found, [&](const Plane& p) { return runs_through_people(view, people, p); });
-  } else if (found.empty() && std::none_of(known_.begin(), known_.end(), proved)) {
-    // The box of somebody close hides whatever he stands at: what is larger than he is tells.
-    found = fit_planes(view, {}, larger_than_people(plane_options_), seed);
+  } else if (!hidden.empty() && none_proved()) {
+    add_largest(view, seed, found);
   }
   update(view, found, time);
+}
+
+/// The box of somebody close hides whatever he stands at: what is larger than he is tells. The
+/// largest of all the view: the next one may be two backs.
+void StaticPlanes::add_largest(const DepthView& view, std::uint64_t seed,
+                               std::vector<Plane>& found) const {
+  PlaneOptions largest = larger_than_people(plane_options_);
+  largest.max_planes = 1;
+  largest.iterations *= 5;  // masks of the next frames depend on it
+  for (const Plane& p : fit_planes(view, {}, largest, seed)) {
+    const bool known = std::any_of(found.begin(), found.end(), [&](const Plane& other) {
+      return alike(p, other, options_.same_turn, options_.same_shift);
+    });
+    if (!known) found.push_back(p);
+  }
 }
 
 void StaticPlanes::move(const Se3& current_from_previous) {
@@ -74,6 +87,10 @@ void StaticPlanes::move(const Se3& current_from_previous) {
 bool StaticPlanes::is_proved(const Known& known) const {
   const double needed = known.large ? options_.large_proof : options_.proof;
   return known.last_found - known.first_found >= needed;
+}
+
+bool StaticPlanes::none_proved() const {
+  return std::none_of(known_.begin(), known_.end(), [&](const Known& k) { return is_proved(k); });
 }
 
 std::vector<Plane> StaticPlanes::planes() const {

@@ -71,6 +71,32 @@ TEST(StaticPlanes, WhereABoxHidesAllWhatIsLargerThanAnybodyIsFound) {
   EXPECT_EQ(found_of(1.0, known).size(), 0U);
 }
 
+TEST(StaticPlanes, WhereABoxHidesTheTableItIsFoundThoughAWallIsSeenBesideTheBox) {
+  const Camera camera = testing::vga_camera();
+  DepthView view = view_of_table(640);
+  cv::Mat hidden = cv::Mat::zeros(view.depth.size(), CV_8UC1);
+  constexpr int wall_rows = 50;  // of the view, 0.57 m of the wall; somebody's box hides the rest
+  hidden(cv::Rect(0, wall_rows, hidden.cols, hidden.rows - wall_rows)) = 255;
+  const int table_row = static_cast<int>(camera.cy + camera.fy * table_height / 3.0) / 2;
+  view.depth(cv::Rect(0, wall_rows, hidden.cols, table_row - wall_rows)) = 0.0F;
+  StaticPlanes known({}, {});
+  known.look(view, hidden, {}, 0.0, 1);
+  ASSERT_EQ(known.planes().size(), 2U);
+  EXPECT_NEAR(std::abs(known.planes()[0].normal.z()), 1.0, 0.01) << "the wall";
+  EXPECT_NEAR(std::abs(known.planes()[1].normal.y()), 1.0, 0.01) << "the table";
+  EXPECT_NEAR(std::abs(known.planes()[1].distance), table_height, 0.01);
+}
+
+TEST(Planes, WhatRunsThroughTheCameraIsNone) {
+  // Things at many depths along one row: a plane through the camera's centre holds them all.
+  const Camera camera = testing::vga_camera();
+  cv::Mat depth = cv::Mat::zeros(480, 640, CV_32FC1);
+  for (int u = 0; u < depth.cols; ++u) {
+    depth(cv::Rect(u, 232, 1, 17)) = 0.8 + 0.1 * (u * 7 % 13);
+  }
+  EXPECT_TRUE(fit_planes(make_depth_view(depth, depth_view_rays(camera)), {}, {}, 1).empty());
+}
+
 TEST(StaticPlanes, GoAlongWithTheCamera) {
   StaticPlanes known = planes_with_table();
   // The camera rises by 10 cm: what was 60 cm below is 70 cm below.
