@@ -97,15 +97,14 @@ bool Tracker::localize(Frame& frame) {
     recognised_ = true;
     return true;
   }
-  if (!found) {
+  if (doubtful) {
+    frame = std::move(doubtful->frame);  // ... they have to do.
+    tracked_landmarks_ = doubtful->tracked;
+  } else if (!found) {
     follow_motion_since_last(frame);
-    if (!find_near(frame, Trust::masks) && !carry_by_motion(frame)) {
-      // ... they have to do.
-      if (!doubtful && !find_near(frame, Trust::map)) return false;
-      if (doubtful) {
-        frame = std::move(doubtful->frame);
-        tracked_landmarks_ = doubtful->tracked;
-      }
+    if (!find_near(frame, Trust::masks) && !carry_by_motion(frame) &&
+        !find_near(frame, Trust::map)) {
+      return false;
     }
   }
   if (begun_on_people(frame)) return false;
