@@ -81,26 +81,19 @@ bool Tracker::localize(Frame& frame) {
     if (found) correct_shutter(frame, frame.camera_from_world * last_.camera_from_world.inverse());
     found = found && track_local_map(frame);
   }
-  // After a gap a few landmarks agree by chance: another place may have more, and if none has...
-  std::optional<Doubtful> doubtful;
   if (found && comes_after_gap(frame) && tracked_landmarks_ < options_.least_for_motion) {
-    doubtful = {frame, tracked_landmarks_};
-    forget_place(frame);
-    found = false;
+    // So few agree by chance now and then: they have to do only where no other place is recognised.
+    const int few = tracked_landmarks_;
+    Frame elsewhere = frame;
+    forget_place(elsewhere);
+    if (recognise(elsewhere)) {
+      frame = std::move(elsewhere);
+      return true;
+    }
+    tracked_landmarks_ = few;
   }
-  if (!found && relocalize(map_, places_, model_, seed_, frame) && track_local_map(frame)) {
-    // The place may lie in another map, and the way there is no motion of the camera.
-    const int here = map_.keyframe(frame.reference_keyframe).map;
-    if (here != map_.current_map()) begun_ = long_ago;
-    map_.set_current_map(here);
-    motion_time_ = 0.0;
-    recognised_ = true;
-    return true;
-  }
-  if (doubtful) {
-    frame = std::move(doubtful->frame);  // ... they have to do.
-    tracked_landmarks_ = doubtful->tracked;
-  } else if (!found) {
+  if (!found) {
+    if (recognise(frame)) return true;
     follow_motion_since_last(frame);
     if (!find_near(frame, Trust::masks) && !carry_by_motion(frame) &&
         !find_near(frame, Trust::map)) {
@@ -113,6 +106,18 @@ bool Tracker::localize(Frame& frame) {
     motion_ = frame.camera_from_world * last_.camera_from_world.inverse();
     motion_time_ = frame.timestamp - last_.timestamp;
   }
+  return true;
+}
+
+/// Finds the frame's place by its looks.
+bool Tracker::recognise(Frame& frame) {
+  if (!relocalize(map_, places_, model_, seed_, frame) || !track_local_map(frame)) return false;
+  // The place may lie in another map, and the way there is no motion of the camera.
+  const int here = map_.keyframe(frame.reference_keyframe).map;
+  if (here != map_.current_map()) begun_ = long_ago;
+  map_.set_current_map(here);
+  motion_time_ = 0.0;
+  recognised_ = true;
   return true;
 }
 

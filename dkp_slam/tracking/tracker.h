@@ -54,7 +54,8 @@ struct TrackerOptions {
   /// Where the camera was carried that long and so many static features with depth are in view, a
   /// room that the map does not know, another map goes on from there at once.
   int least_to_go_on = 300;
-  /// Constant velocity is assumed no longer than this since the map was last seen, seconds.
+  /// Constant velocity is assumed no longer than this since the map was last seen, seconds; over a
+  /// longer gap it is tried beside standing still.
   double longest_steady = 0.15;
   /// Another map is begun when no frame has been localised for this long, seconds, or for twice as
   /// long as the map was followed: one of a moment is not worth waiting for. Sooner, and a hand
@@ -63,7 +64,9 @@ struct TrackerOptions {
   /// Speed, m/s, by which the second frame of a map may lie from its first. Nobody carries a camera
   /// faster: where it seems so, the map was begun on people, and another one is begun.
   double most_first_speed = 4.0;
-  int least_for_motion = 40;  ///< landmarks tracked in a frame whose motion is believed
+  /// Landmarks tracked in a frame whose motion is believed; with fewer, its place after a gap is
+  /// doubted.
+  int least_for_motion = 40;
   /// Bounds for a measured motion to be believed against constant velocity, m/s^2 and rad/s^2: a
   /// hand-held camera that is shaken stays under 20 and 60.
   double most_acceleration = 20.0;
@@ -132,6 +135,7 @@ class Tracker {
   bool can_start(const Frame& frame) const;
   TrackingResult initialize(const Frame& frame);
   bool localize(Frame& frame);
+  bool recognise(Frame& frame);
   bool comes_after_gap(const Frame& frame) const;
   void forget_place(Frame& frame) const;
   bool begun_on_people(const Frame& frame) const;
@@ -160,11 +164,6 @@ class Tracker {
   void follow_map_changes();
   void remember(const Frame& frame);
 
-  /// A frame with a pose that few landmarks agree on.
-  struct Doubtful {
-    Frame frame;
-    int tracked = 0;
-  };
   static constexpr double long_ago = std::numeric_limits<double>::lowest();
 
   Map& map_;

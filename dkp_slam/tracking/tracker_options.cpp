@@ -39,7 +39,7 @@ void TrackerOptions::describe(OptionList& list) {
   list.add("most_first_speed", most_first_speed, above(0), "m/s",
            "by which a map's second frame may lie from its first; beyond, another map is begun");
   list.add("least_for_motion", least_for_motion, at_least(3), "",
-           "landmarks tracked in a frame whose motion is believed");
+           "landmarks tracked in a frame whose motion is believed, and after a gap its place");
   list.add("most_acceleration", most_acceleration, above(0), "m/s^2",
            "for a measured motion to be believed against constant velocity");
   list.add("most_angular_acceleration", most_angular_acceleration, above(0), "rad/s^2",

@@ -59,7 +59,7 @@ OutlineGradients outline_gradients(const cv::Mat& grey, const cv::Mat& first,
 
 bool MaskDepthChoice::wants_comparison() {
   if (options_.every <= 0) return false;
-  const bool sure = sigmas_ > sure_times * options_.sigmas;
+  const bool sure = sigmas_of_sum() > sure_times * options_.sigmas;
   return frame_++ % (sure ? 2 * options_.every : options_.every) == 0;
 }
 
@@ -72,8 +72,11 @@ void MaskDepthChoice::compare(const cv::Mat& grey, const cv::Mat& by_moment,
   const double weight = static_cast<double>(g.pixels) * g.pixels;
   sum_ = options_.forget * sum_ + weight * difference;
   squares_ = options_.forget * options_.forget * squares_ + weight * weight;
-  sigmas_ = std::abs(sum_) / (options_.spread * std::sqrt(squares_));
-  if (sigmas_ > options_.sigmas) stamped_ = sum_ > 0.0;
+  if (sigmas_of_sum() > options_.sigmas) stamped_ = sum_ > 0.0;
+}
+
+double MaskDepthChoice::sigmas_of_sum() const {
+  return squares_ > 0.0 ? std::abs(sum_) / (options_.spread * std::sqrt(squares_)) : 0.0;
 }
 
 }  // namespace dkp_slam

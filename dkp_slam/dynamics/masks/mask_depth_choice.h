@@ -7,8 +7,8 @@ namespace dkp_slam {
 class OptionList;
 
 struct MaskDepthOptions {
-  /// Every how many frames masks are cut from both depth images, to see which fits; 0: never, and
-  /// they are cut from `RgbdFrame::depth`.
+  /// Every how many frames masks are cut from both depth images, to see which fits, half as
+  /// often once that is clear; 0: never, and they are cut from `RgbdFrame::depth`.
   int every = 3;
   /// Standard deviation of one comparison: by how much of their sum the gradients differ.
   double spread = 0.15;
@@ -36,8 +36,7 @@ class MaskDepthChoice {
  public:
   explicit MaskDepthChoice(const MaskDepthOptions& options) : options_(options) {}
 
-  /// To be asked once for every frame that has both: whether to compare this time. Half as often
-  /// as `MaskDepthOptions::every` has it while what was seen leaves no doubt.
+  /// To be asked once for every frame that has both: whether to compare this time.
   bool wants_comparison();
   /// Masks cut from `RgbdFrame::depth` and from the stamped one.
   void compare(const cv::Mat& grey, const cv::Mat& by_moment, const cv::Mat& by_stamp);
@@ -45,11 +44,11 @@ class MaskDepthChoice {
   bool stamped() const { return stamped_; }
 
  private:
+  double sigmas_of_sum() const;  // by which one fits better
   MaskDepthOptions options_;
   int frame_ = 0;
   double sum_ = 0.0;      // of weighted differences, stamped less moment
   double squares_ = 0.0;  // of their weights
-  double sigmas_ = 0.0;   // of the sum, by which one fits better
   bool stamped_ = false;
 };
 

@@ -65,13 +65,10 @@ void StaticPlanes::look(const DepthView& view, const cv::Mat& hidden, const cv::
 void StaticPlanes::add_largest(const DepthView& view, std::uint64_t seed,
                                std::vector<Plane>& found) const {
   PlaneOptions largest = larger_than_people(plane_options_);
-  largest.max_planes = 1;
+  largest.max_planes = std::min(largest.max_planes, 1);
   largest.iterations *= 5;  // masks of the next frames depend on it
   for (const Plane& p : fit_planes(view, {}, largest, seed)) {
-    const bool known = std::any_of(found.begin(), found.end(), [&](const Plane& other) {
-      return alike(p, other, options_.same_turn, options_.same_shift);
-    });
-    if (!known) found.push_back(p);
+    if (!is_among(found, p)) found.push_back(p);
   }
 }
 
@@ -127,6 +124,15 @@ bool StaticPlanes::adapt(const DepthView& view, Plane& plane) const {
   return true;
 }
 
+bool StaticPlanes::is_same(const Plane& a, const Plane& b) const {
+  return alike(a, b, options_.same_turn, options_.same_shift);
+}
+
+bool StaticPlanes::is_among(const std::vector<Plane>& planes, const Plane& plane) const {
+  return std::any_of(planes.begin(), planes.end(),
+                     [&](const Plane& other) { return is_same(other, plane); });
+}
+
 bool StaticPlanes::is_large(const Plane& plane) const {
   return static_cast<double>(plane.extent) >= options_.large_extent &&
          static_cast<double>(plane.width) >= options_.large_width;
@@ -138,17 +144,15 @@ void StaticPlanes::update(const DepthView& view, const std::vector<Plane>& found
   for (const Plane& p : found) {
     Known fresh{p, time, time, is_large(p)};
     for (const Known& k : known_) {
-      if (!alike(k.plane, p, options_.same_turn, options_.same_shift)) continue;
+      if (!is_same(k.plane, p)) continue;
       fresh.first_found = std::min(fresh.first_found, k.first_found);
       fresh.large = fresh.large || k.large;
     }
     now.push_back(fresh);
   }
   for (Known& k : known_) {
-    const bool again = std::any_of(found.begin(), found.end(), [&](const Plane& p) {
-      return alike(k.plane, p, options_.same_turn, options_.same_shift);
-    });
-    if (!again && time - k.last_found <= options_.memory && adapt(view, k.plane)) now.push_back(k);
+    if (!is_among(found, k.plane) && time - k.last_found <= options_.memory && adapt(view, k.plane))
+      now.push_back(k);
   }
   known_ = std::move(now);
 }

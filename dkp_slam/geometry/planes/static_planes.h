@@ -67,6 +67,8 @@ class StaticPlanes {
     double first_found = 0.0, last_found = 0.0;  ///< seconds
     bool large = false;                          ///< was seen to be too large for anybody
   };
+  bool is_same(const Plane& a, const Plane& b) const;
+  bool is_among(const std::vector<Plane>& planes, const Plane& plane) const;
   bool is_large(const Plane& plane) const;
   bool is_proved(const Known& known) const;
   bool none_proved() const;
