@@ -30,6 +30,12 @@ struct Work {
   cv::Mat labels;            // CV_8UC1, image size: i + 1 in the mask of the i-th object
 };
 
+std::vector<ObjectRegions> regions_of(const std::vector<DynamicObject>& objects) {
+  std::vector<ObjectRegions> regions;
+  for (const DynamicObject& o : objects) regions.push_back({o.box, o.weight, o.moves_by_itself});
+  return regions;
+}
+
 }  // namespace
 
 struct DynamicsModule::State {
@@ -49,8 +55,9 @@ struct DynamicsModule::State {
   DynamicsParts parts;
   MotionHistory history;  // carries answers about earlier images
   MaskDepthChoice mask_depth;
-  cv::Mat previous_labels;  // Work::labels of the frame before
-  DepthView view;           // of the frame that was processed last
+  cv::Mat previous_labels;             // Work::labels of the frame before
+  DepthView view;                      // of the frame that was processed last
+  std::optional<CameraMotion> motion;  // into it, where what lies outside the boxes tells
 
   std::vector<std::uint8_t> features_to_follow(const Work& work,
                                                const std::vector<cv::Rect2f>& hidden) const;
@@ -221,10 +228,7 @@ void DynamicsModule::State::learn_background(const cv::Mat& grey, const Work& wo
 /// Tells static features from dynamic ones.
 void DynamicsModule::State::classify(Work& work, FrameDynamics& result) {
   const TraceSpan span("removal");
-  std::vector<ObjectRegions> regions;
-  for (const DynamicObject& o : result.objects) {
-    regions.push_back({o.box, o.weight, o.moves_by_itself});
-  }
+  const std::vector<ObjectRegions> regions = regions_of(result.objects);
   assign_regions(work.points, regions, work.labels, result.features);
   for (std::size_t i = 0; i < work.points.size(); ++i) {
     result.features[i].tracked = work.motion.tracks.tracked[i] != 0;
@@ -322,8 +326,40 @@ FrameDynamics DynamicsModule::process(const RgbdFrame& frame, const cv::Mat& gre
   s.classify(work, result);
   if (s.parts.ego_motion && work.few_outside) s.measure_ego_motion_again(work, result);
   s.view = std::move(work.view);
+  s.motion = work.motion.from_low_points ? work.motion.camera_motion : std::nullopt;
   result.removal_ms += watch.lap_ms();
   return result;
+}
+
+void DynamicsModule::judge_added(const RgbdFrame& frame, const std::vector<cv::KeyPoint>& keypoints,
+                                 std::size_t first, FrameDynamics& dynamics) const {
+  const State& s = *state_;
+  if (!s.parts.classifier || !s.parts.classifier->judges_one_by_one() || !s.motion) return;
+  const TraceSpan span("removal");
+  const std::vector<cv::Rect2f> boxes = s.parts.objects->self_moving_boxes();
+  std::vector<cv::Point2f> points;
+  std::vector<std::size_t> index;  // in the keypoints
+  for (std::size_t i = first; i < keypoints.size(); ++i) {
+    const cv::Point2f& p = keypoints[i].pt;
+    if (std::none_of(boxes.begin(), boxes.end(), [&](const auto& b) { return b.contains(p); })) {
+      continue;
+    }
+    points.push_back(p);
+    index.push_back(i);
+  }
+  if (points.empty()) return;
+  const std::vector<ObjectRegions> regions = regions_of(dynamics.objects);
+  const FeatureMotion motion = s.parts.motion->measure(frame.depth, points, s.motion);
+  std::vector<FeatureDynamics> verdicts(points.size());
+  assign_regions(points, regions, s.previous_labels, verdicts);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    verdicts[k].tracked = motion.tracks.tracked[k] != 0;
+    verdicts[k].motion_residual = motion.residual[k];
+  }
+  constexpr bool bring_back = false;  // a pose that lacks features needs none that move
+  const RemovalInput input{points, regions, s.previous_labels, frame.depth, motion, bring_back};
+  s.parts.classifier->classify(input, verdicts);
+  for (std::size_t k = 0; k < index.size(); ++k) dynamics.features[index[k]] = verdicts[k];
 }
 
 cv::Mat DynamicsModule::known_static(const cv::Mat& grey) const {

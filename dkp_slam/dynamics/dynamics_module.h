@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -30,6 +31,12 @@ class DynamicsModule {
   /// `ObjectTrackerOptions::continue_score`. Throws `Error` when sizes differ.
   FrameDynamics process(const RgbdFrame& frame, const cv::Mat& grey,
                         const std::vector<cv::KeyPoint>& keypoints, const DetectionResult& answer);
+
+  /// The verdict on features that were added to the frame that was processed last, the keypoints
+  /// from `first` on: by the same rule, where the mode has one that looks at features one by one
+  /// and what lies outside the boxes tells the camera's motion.
+  void judge_added(const RgbdFrame& frame, const std::vector<cv::KeyPoint>& keypoints,
+                   std::size_t first, FrameDynamics& dynamics) const;
 
   /// CV_8UC1, image size: 255 where the frame that was processed last, `grey`, shows a surface that
   /// was seen standing still before. Empty in modes that do not remember any.

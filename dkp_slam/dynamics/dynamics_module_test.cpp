@@ -174,6 +174,34 @@ TEST(DynamicsModule, SeesTheCameraMoveBesideMasksWhereTooLittleLiesBesideBoxes) 
   }
 }
 
+TEST(DynamicsModule, JudgesFeaturesThatAreAddedInBoxesByTheirFlow) {
+  // Of the lower half of the walker no depth is read: no mask holds it.
+  for (const DynamicsMode mode : {DynamicsMode::dkp_plus, DynamicsMode::dk}) {
+    DynamicsOptions options;
+    options.mode = mode;
+    DynamicsModule module(testing::vga_camera(), options);
+    const World world(0.75);
+    World::View v;
+    FrameDynamics result;
+    for (int i = 0; i <= 4; ++i) {
+      v = world.at(i);
+      v.frame.depth.rowRange(250, 400).setTo(0.0F, v.truth.rowRange(250, 400));
+      result =
+          module.process(v.frame, v.grey, v.keypoints, {v.frame.timestamp, true, {v.detection}});
+    }
+    const std::size_t first = v.keypoints.size();
+    const cv::Point2f corner = v.detection.box.tl();
+    v.keypoints.emplace_back(corner + cv::Point2f(75, 270), 7.0F);  // on him
+    v.keypoints.emplace_back(corner + cv::Point2f(7, 4), 7.0F);     // on the wall beside him
+    v.keypoints.emplace_back(corner + cv::Point2f(-60, 80), 7.0F);  // outside the box
+    result.features.resize(v.keypoints.size());
+    module.judge_added(v.frame, v.keypoints, first, result);
+    EXPECT_EQ(result.features[first].is_static, mode == DynamicsMode::dk);
+    EXPECT_TRUE(result.features[first + 1].is_static);
+    EXPECT_TRUE(result.features[first + 2].is_static);
+  }
+}
+
 TEST(DynamicsModule, PaperCompensatesForOneMissedFrameWithoutABox) {
   const Score seen = run(DynamicsMode::paper, 0.75, 5, 100);
   const Score missed = run(DynamicsMode::paper, 0.75, 5, 5);

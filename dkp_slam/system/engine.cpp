@@ -69,9 +69,12 @@ std::shared_ptr<FrameSnapshot> Engine::track(PreparedFrame prepared) {
       dynamics_.process(prepared.frame, prepared.grey, prepared.orb.keypoints, prepared.detections);
   {
     const TraceSpan span("refill");
-    refill_.refill(
-        prepared.grey, [&] { return dynamics_.known_static(prepared.grey); }, prepared.orb,
-        snapshot->dynamics);
+    const FeatureRefill::Room room{[&] { return dynamics_.known_static(prepared.grey); },
+                                   [&](std::size_t first) {
+                                     dynamics_.judge_added(prepared.frame, prepared.orb.keypoints,
+                                                           first, snapshot->dynamics);
+                                   }};
+    refill_.refill(prepared.grey, room, prepared.orb, snapshot->dynamics);
   }
   const FrameDynamics& dynamics = snapshot->dynamics;
   result.clustering_ms = dynamics.clustering_ms;

@@ -52,19 +52,23 @@ FeatureRefill::FeatureRefill(const OrbOptions& orb, const FeatureRefillOptions& 
       extractor_(with_features(orb, options.features)),
       known_extractor_(with_features(orb, options.known_features)) {}
 
-void FeatureRefill::refill(const cv::Mat& grey, const std::function<cv::Mat()>& known,
-                           OrbFeatures& features, FrameDynamics& dynamics) const {
+void FeatureRefill::refill(const cv::Mat& grey, const Room& room, OrbFeatures& features,
+                           FrameDynamics& dynamics) const {
   if (dynamics.doubtful.empty()) return;
   if (remaining(dynamics) >= std::max(options_.below, options_.known_below)) return;
   cv::Mat hidden;
   cv::dilate(dynamics.doubtful, hidden, square(options_.margin));
   const cv::Mat free = hidden == 0;
+  const std::size_t first = features.keypoints.size();
   if (remaining(dynamics) < options_.below) add(extractor_, grey, free, features, dynamics);
-  if (remaining(dynamics) >= options_.known_below) return;
-  cv::Mat surfaces = known();
-  if (surfaces.empty()) return;
-  cv::erode(surfaces, surfaces, square(options_.known_inside));
-  add(known_extractor_, grey, free & surfaces, features, dynamics);
+  if (remaining(dynamics) < options_.known_below) {
+    cv::Mat surfaces = room.known();
+    if (!surfaces.empty()) {
+      cv::erode(surfaces, surfaces, square(options_.known_inside));
+      add(known_extractor_, grey, free & surfaces, features, dynamics);
+    }
+  }
+  if (features.keypoints.size() > first) room.judge(first);
 }
 
 }  // namespace dkp_slam

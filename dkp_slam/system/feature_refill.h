@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 
 #include "dkp_slam/dynamics/frame_dynamics.h"
@@ -30,11 +31,18 @@ class FeatureRefill {
  public:
   FeatureRefill(const OrbOptions& orb, const FeatureRefillOptions& options);
 
-  /// Appends to `features`, and their verdict (static) to `dynamics`, where too few of them are
-  /// static and what is doubtful hides others. `grey`: CV_8UC1, their image. `known`: asked where
-  /// it matters for the surfaces that are known to stand still, CV_8UC1 of the same size, not 0
-  /// there; empty: none. Deterministic.
-  void refill(const cv::Mat& grey, const std::function<cv::Mat()>& known, OrbFeatures& features,
+  /// What is asked where it matters.
+  struct Room {
+    /// The surfaces that are known to stand still, CV_8UC1 of the image's size, not 0 there; empty:
+    /// none.
+    std::function<cv::Mat()> known;
+    /// The features from this one on were added, as static: sets the verdict of those that are
+    /// seen to move.
+    std::function<void(std::size_t first)> judge;
+  };
+  /// Appends to `features`, and their verdict to `dynamics`, where too few of them are static and
+  /// what is doubtful hides others. `grey`: CV_8UC1, their image. Deterministic.
+  void refill(const cv::Mat& grey, const Room& room, OrbFeatures& features,
               FrameDynamics& dynamics) const;
 
  private:

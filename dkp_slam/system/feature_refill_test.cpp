@@ -1,7 +1,9 @@
 #include "dkp_slam/system/feature_refill.h"
 
+#include <cstddef>
 #include <set>
 #include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -9,7 +11,10 @@
 namespace dkp_slam {
 namespace {
 
-cv::Mat nothing() { return {}; }
+/// Knows of no surface and has nothing against any feature.
+FeatureRefill::Room nothing() {
+  return {[] { return cv::Mat(); }, [](std::size_t) {}};
+}
 
 /// Somebody in a checked shirt who leaves a fifth of the view free, at its right.
 class Crowded : public ::testing::Test {
@@ -43,7 +48,7 @@ class Crowded : public ::testing::Test {
 TEST_F(Crowded, GetsItsFeaturesWhereTheRoomIsSeen) {
   const OrbFeatures before = features_;
   ASSERT_LT(remaining(), 250);
-  FeatureRefill({}, {}).refill(grey_, nothing, features_, dynamics_);
+  FeatureRefill({}, {}).refill(grey_, nothing(), features_, dynamics_);
   EXPECT_GT(remaining(), 600);
   ASSERT_EQ(features_.keypoints.size(), dynamics_.features.size());
   ASSERT_EQ(features_.descriptors.size(), dynamics_.features.size());
@@ -65,10 +70,10 @@ TEST_F(Crowded, NeedsNoMoreWhereEnoughIsLeft) {
   FeatureRefillOptions options;
   options.below = remaining();
   const std::size_t before = features_.keypoints.size();
-  FeatureRefill({}, options).refill(grey_, nothing, features_, dynamics_);
+  FeatureRefill({}, options).refill(grey_, nothing(), features_, dynamics_);
   EXPECT_EQ(features_.keypoints.size(), before);
   options.below = remaining() + 1;
-  FeatureRefill({}, options).refill(grey_, nothing, features_, dynamics_);
+  FeatureRefill({}, options).refill(grey_, nothing(), features_, dynamics_);
   EXPECT_GT(features_.keypoints.size(), before);
 }
 
@@ -82,12 +87,16 @@ TEST_F(Crowded, GetsMoreWhereTheRoomIsKnown) {
     all(known) = 255;
     return all;
   };
+  std::vector<std::size_t> judged;
+  const auto judge = [&judged](std::size_t from) { judged.push_back(from); };
   options.known_below = before;
-  FeatureRefill({}, options).refill(grey_, surfaces, features_, dynamics_);
+  FeatureRefill({}, options).refill(grey_, {surfaces, judge}, features_, dynamics_);
   EXPECT_EQ(remaining(), before);
+  EXPECT_TRUE(judged.empty());
   options.known_below = before + 1;
-  FeatureRefill({}, options).refill(grey_, surfaces, features_, dynamics_);
+  FeatureRefill({}, options).refill(grey_, {surfaces, judge}, features_, dynamics_);
   EXPECT_GT(remaining(), before + 200);
+  EXPECT_EQ(judged, std::vector<std::size_t>{static_cast<std::size_t>(first)});
   for (std::size_t i = static_cast<std::size_t>(first); i < features_.keypoints.size(); ++i) {
     const cv::Point2f& p = features_.keypoints[i].pt;
     const float inside =
@@ -101,7 +110,7 @@ TEST_F(Crowded, GetsMoreWhereTheRoomIsKnown) {
 TEST_F(Crowded, IsLeftAloneWhereNobodyIs) {
   dynamics_.doubtful = cv::Mat();
   const std::size_t before = features_.keypoints.size();
-  FeatureRefill({}, {}).refill(grey_, nothing, features_, dynamics_);
+  FeatureRefill({}, {}).refill(grey_, nothing(), features_, dynamics_);
   EXPECT_EQ(features_.keypoints.size(), before);
 }
 

@@ -126,14 +126,9 @@ std::vector<cv::Point2f> FeatureMotionEstimator::predict(
   return guess;
 }
 
-FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& depth,
-                                            const std::vector<cv::Point2f>& points,
-                                            const std::vector<cv::Rect2f>& hidden,
-                                            const std::vector<std::uint8_t>& wanted, double time) {
-  flow_.push(grey);
-  if (options_.coarse_rotation) coarse_rotation_.push(grey, hidden);
-  steps_.push_front({time, std::nullopt});
-  while (static_cast<int>(steps_.size()) > options_.flow.history + 1) steps_.pop_back();
+/// Of points of the newest frame that were not followed yet.
+FeatureMotion FeatureMotionEstimator::unmeasured(const cv::Mat& depth,
+                                                 const std::vector<cv::Point2f>& points) const {
   FeatureMotion motion;
   motion.seen_now = camera_.undistort(points);
   motion.now = straight(points, motion.seen_now, depth, points, 0);
@@ -144,6 +139,18 @@ FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& 
   motion.residual.assign(points.size(), unknown);
   motion.prediction_sigma.assign(points.size(), 0.0F);
   motion.long_residual.assign(points.size(), unknown);
+  return motion;
+}
+
+FeatureMotion FeatureMotionEstimator::track(const cv::Mat& grey, const cv::Mat& depth,
+                                            const std::vector<cv::Point2f>& points,
+                                            const std::vector<cv::Rect2f>& hidden,
+                                            const std::vector<std::uint8_t>& wanted, double time) {
+  flow_.push(grey);
+  if (options_.coarse_rotation) coarse_rotation_.push(grey, hidden);
+  steps_.push_front({time, std::nullopt});
+  while (static_cast<int>(steps_.size()) > options_.flow.history + 1) steps_.pop_back();
+  FeatureMotion motion = unmeasured(depth, points);
   follow(depth, points, wanted, motion);
   motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
   return motion;
@@ -180,6 +187,15 @@ void FeatureMotionEstimator::follow_more(const cv::Mat& depth,
   if (!follow(depth, points, wanted, motion)) return;
   motion.then = straight(motion.tracks.previous, motion.seen_then, depth, points, 1);
   if (motion.camera_motion) fill_residuals(depth, points, motion);
+}
+
+FeatureMotion FeatureMotionEstimator::measure(
+    const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+    const std::optional<CameraMotion>& camera_motion) const {
+  FeatureMotion motion = unmeasured(depth, points);
+  motion.camera_motion = camera_motion;
+  follow_more(depth, points, {}, motion);
+  return motion;
 }
 
 double FeatureMotionEstimator::residual_at(const cv::Mat& depth, const cv::Point2f& raw,
@@ -248,13 +264,15 @@ void FeatureMotionEstimator::measure_ego_motion(const cv::Mat& depth,
   fill_residuals(depth, points, motion);
 }
 
-/// How many of the support agree with the motion.
-int FeatureMotionEstimator::agreeing(const std::vector<std::uint8_t>& support,
-                                     const FeatureMotion& motion) const {
-  int count = 0;
+/// How many of the support were followed, and how many of these agree with the motion.
+FeatureMotionEstimator::Agreement FeatureMotionEstimator::agreement(
+    const std::vector<std::uint8_t>& support, const FeatureMotion& motion) const {
+  Agreement count;
   for (std::size_t i = 0; i < support.size(); ++i) {
-    const auto off = static_cast<double>(motion.residual[i]);
-    count += support[i] != 0 && off < options_.motion.inlier_distance ? 1 : 0;
+    if (support[i] == 0 || motion.tracks.tracked[i] == 0) continue;
+    ++count.followed;
+    const auto off = static_cast<double>(motion.residual[i]);  // NaN agrees with nothing
+    count.agree += off < options_.motion.inlier_distance ? 1 : 0;
   }
   return count;
 }
@@ -266,8 +284,9 @@ bool FeatureMotionEstimator::measure_ego_motion_anew(const cv::Mat& depth,
   FeatureMotion anew = motion;
   const std::optional<Se3> before = steps_.front().previous_from_this;
   measure_ego_motion(depth, points, support, seed, anew);
-  if (anew.camera_motion && anew.from_low_points &&
-      agreeing(support, anew) >= 2 * agreeing(support, motion)) {
+  const auto [followed, agree] = agreement(support, anew);
+  if (anew.camera_motion && anew.from_low_points && 2 * agree >= followed &&
+      agree >= 2 * agreement(support, motion).agree) {
     motion = std::move(anew);
     return true;
   }
@@ -288,7 +307,7 @@ bool FeatureMotionEstimator::refine_ego_motion(const cv::Mat& depth,
                                      motion.camera_motion->previous_from_current, options_.motion);
   if (!anew.camera_motion) return false;
   fill_residuals(depth, points, anew);
-  if (agreeing(support, anew) < agreeing(support, motion)) return false;
+  if (agreement(support, anew).agree < agreement(support, motion).agree) return false;
   motion = std::move(anew);
   steps_.front().previous_from_this = motion.camera_motion->previous_from_current;
   return true;

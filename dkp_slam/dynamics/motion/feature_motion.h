@@ -85,8 +85,9 @@ class FeatureMotionEstimator {
   void measure_ego_motion(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                           const std::vector<std::uint8_t>& low, std::uint64_t seed,
                           FeatureMotion& motion);
-  /// The same from the features flagged `support`; what was measured before stays, unless twice as
-  /// many of them agree with the motion that they tell. Whether it was replaced.
+  /// The same from the features flagged `support`; what was measured before stays, unless half of
+  /// them, and twice as many as before, agree with the motion that they tell. Whether it was
+  /// replaced.
   bool measure_ego_motion_anew(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                                const std::vector<std::uint8_t>& support, std::uint64_t seed,
                                FeatureMotion& motion);
@@ -99,6 +100,10 @@ class FeatureMotionEstimator {
   /// residuals.
   void follow_more(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                    const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;
+  /// Flow of other points of the newest frame, with their residuals off `camera_motion`, its
+  /// ego-motion.
+  FeatureMotion measure(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
+                        const std::optional<CameraMotion>& camera_motion) const;
 
   /// Fills `prediction_sigma` of the features that were tracked; last, as the ego-motion may be
   /// measured anew.
@@ -110,6 +115,9 @@ class FeatureMotionEstimator {
                  const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;
 
  private:
+  struct Agreement {
+    int followed = 0, agree = 0;  ///< features
+  };
   struct Step {
     double time = 0.0;
     std::optional<Se3> previous_from_this;
@@ -122,9 +130,10 @@ class FeatureMotionEstimator {
                                          const std::vector<cv::Point2f>& points,
                                          const std::vector<std::uint8_t>& low,
                                          FeatureMotion& motion) const;
+  FeatureMotion unmeasured(const cv::Mat& depth, const std::vector<cv::Point2f>& points) const;
   bool follow(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
               const std::vector<std::uint8_t>& wanted, FeatureMotion& motion) const;
-  int agreeing(const std::vector<std::uint8_t>& support, const FeatureMotion& motion) const;
+  Agreement agreement(const std::vector<std::uint8_t>& support, const FeatureMotion& motion) const;
   void fill_residuals(const cv::Mat& depth, const std::vector<cv::Point2f>& points,
                       FeatureMotion& motion) const;
   Vector6d velocity_at(std::size_t step) const;

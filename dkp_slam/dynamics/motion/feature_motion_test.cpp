@@ -101,6 +101,48 @@ TEST(FeatureMotion, IsMeasuredAnewFromSupportThatTellsAnother) {
   EXPECT_FALSE(estimator.measure_ego_motion_anew(depth, at, room, 1, motion)) << "it is that";
 }
 
+TEST(FeatureMotion, IsNotMeasuredAnewFromSupportThatIsAtOdds) {
+  // Each eight of these forty move another way, but for sixteen: most agree with no motion at all.
+  const double shift = 6.0;
+  const cv::Mat depth(height, width, CV_32FC1, cv::Scalar(wall));
+  const std::vector<cv::Point2f> at = points(40, 56);
+  cv::Mat now = picture(shift, 0);
+  const auto move_row = [&](int row, double right, double down) {
+    const cv::Rect strip(width / 2, 25 + 30 * row, width / 2, 30);
+    texture(right, down)(strip).copyTo(now(strip));
+  };
+  move_row(0, -shift, 0.0);
+  move_row(1, 0.0, shift);
+  move_row(2, 0.0, -shift);
+  FeatureMotionOptions options;
+  options.coarse_rotation = false;
+  FeatureMotionEstimator estimator(camera(), options);
+  estimator.track(picture(0, 0), depth, at, {}, {}, 0.0);
+  FeatureMotion motion = estimator.track(now, depth, at, {}, {}, 1 / 30.0);
+  estimator.measure_ego_motion(depth, at, std::vector<std::uint8_t>(at.size(), 1), 1, motion);
+  ASSERT_TRUE(motion.camera_motion);
+  std::vector<std::uint8_t> room(at.size(), 0);
+  std::fill_n(room.begin(), 40, 1);
+  EXPECT_FALSE(estimator.measure_ego_motion_anew(depth, at, room, 1, motion));
+  EXPECT_NEAR(estimator.current_from_previous().translation.x(), 0.0, 0.003);
+}
+
+TEST(FeatureMotion, IsMeasuredForPointsThatComeLater) {
+  const double shift = 6.0;
+  const cv::Mat depth(height, width, CV_32FC1, cv::Scalar(wall));
+  const std::vector<cv::Point2f> later = points(3, 3);
+  FeatureMotionEstimator estimator(camera(), {});
+  estimator.track(picture(0, 0), depth, {}, {}, {}, 0.0);
+  estimator.track(picture(shift, 0), depth, {}, {}, {}, 1 / 30.0);
+  CameraMotion rooms;
+  rooms.previous_from_current.translation.x() = -shift * wall / focal;
+  const FeatureMotion found = estimator.measure(depth, later, rooms);
+  for (std::size_t i = 0; i < later.size(); ++i) {
+    ASSERT_TRUE(found.tracks.tracked[i]) << i;
+    EXPECT_NEAR(static_cast<double>(found.residual[i]), i < 3 ? 0.0 : shift, 0.1) << i;
+  }
+}
+
 TEST(FeatureMotion, IsNotToldWhereNobodyCarriesACameraSoFast) {
   const double shift =
       6.0;  // pixels, 46 mm: 1.4 m/s in a thirtieth of a second, 4.6 in a hundredth

@@ -18,6 +18,7 @@ struct RemovalInput {
   const cv::Mat& labels;                      ///< CV_8UC1, image size: i + 1 in objects[i]'s mask
   const cv::Mat& depth;                       ///< CV_32FC1, image size, metres, 0 where unknown
   const FeatureMotion& motion;
+  bool bring_back = true;  ///< those that move least, where few are static
 };
 
 /// A rule that tells static features from dynamic ones (paper §3.5).
@@ -29,6 +30,8 @@ class FeatureClassifier {
   /// `motion_residual` of the features are known.
   virtual void classify(const RemovalInput& input,
                         std::vector<FeatureDynamics>& features) const = 0;
+  /// Whether it may be asked about some of an image's features, without the others.
+  virtual bool judges_one_by_one() const { return false; }
   /// CV_8UC1, image size: not 0 where nothing is static before the rule has looked at it; empty
   /// without objects.
   virtual cv::Mat doubtful(const RemovalInput& input) const;

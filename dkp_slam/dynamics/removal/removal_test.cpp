@@ -159,6 +159,9 @@ TEST_F(Rules, WhatThePoseNeedsComesBackThatWhichMovesLeastFirst) {
   options.least_static = 3;
   EXPECT_EQ(kept_by(ResidualRule(options)),
             (std::vector<bool>{false, false, false, true, true, false, true}));
+  const RemovalInput extra{points_, objects_, labels_, depth_, motion_, false};
+  ResidualRule(options).classify(extra, features_);
+  for (const FeatureDynamics& f : features_) EXPECT_EQ(f.is_static, &f == &features_.back());
   options.least_static = 100;  // masks and outlines stay away
   EXPECT_EQ(kept_by(ResidualRule(options)),
             (std::vector<bool>{false, false, true, true, true, true, true}));

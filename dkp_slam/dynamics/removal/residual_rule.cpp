@@ -49,6 +49,7 @@ void ResidualRule::classify(const RemovalInput& input,
     }
     left += f.is_static ? 1 : 0;
   }
+  if (!input.bring_back) return;
   // The pose needs some, and what moves least is most likely to stand still.
   std::sort(moving.begin(), moving.end());
   for (const auto& [moves, i] : moving) {

@@ -23,6 +23,7 @@ class ResidualRule : public FeatureClassifier {
       : options_(options), mask_depth_(options.depth_margin, options.depth_tolerance) {}
   std::string name() const override { return "residual rule"; }
   void classify(const RemovalInput& input, std::vector<FeatureDynamics>& features) const override;
+  bool judges_one_by_one() const override { return true; }
   cv::Mat doubtful(const RemovalInput& input) const override;
 
  private:

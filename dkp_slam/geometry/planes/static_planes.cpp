@@ -36,25 +36,33 @@ void StaticPlanesOptions::describe(OptionList& list) {
 
 void StaticPlanesOptions::check() const { check_options(*this); }
 
-bool StaticPlanes::runs_through_people(const DepthView& view, const cv::Mat& people,
-                                       const Plane& plane) const {
-  int inside = 0, outside = 0;
+bool StaticPlanes::runs_through_people(const DepthView& view, const cv::Mat& silhouettes,
+                                       const cv::Mat& people, const Plane& plane) const {
+  int inside = 0, outside = 0, on_them = 0;
   constexpr int stride = 6;  // about 2,000 points of a 640x480 image
   for (int y = stride / 2; y < view.depth.rows; y += stride) {
     for (int x = stride / 2; x < view.depth.cols; x += stride) {
       if (!runs_along(view, plane, x, y, plane_options_)) continue;
       (people.at<std::uint8_t>(y, x) != 0 ? inside : outside) += 1;
+      on_them += silhouettes.at<std::uint8_t>(y, x) != 0 ? 1 : 0;
     }
   }
-  return inside > outside;
+  // Where people fill the view their hulls hold most of the room, too: then it ends at them.
+  constexpr double most_on_them = 0.1;
+  return inside > outside && on_them > most_on_them * (inside + outside);
 }
 
 void StaticPlanes::look(const DepthView& view, const cv::Mat& hidden, const cv::Mat& people,
                         double time, std::uint64_t seed) {
   std::vector<Plane> found = fit_planes(view, hidden, plane_options_, seed);
+  const bool none_known = none_proved();
   if (!people.empty()) {
-    std::erase_if(found, [&](const Plane& p) { return runs_through_people(view, people, p); });
-  } else if (!hidden.empty() && none_proved()) {
+    std::erase_if(found, [&](const Plane& p) {
+      // Silhouettes of a start may hold the desk they stand at.
+      if (none_known && is_larger_than_people(p)) return false;
+      return runs_through_people(view, hidden, people, p);
+    });
+  } else if (!hidden.empty() && none_known) {
     add_largest(view, seed, found);
   }
   update(view, found, time);
@@ -131,6 +139,12 @@ bool StaticPlanes::is_same(const Plane& a, const Plane& b) const {
 bool StaticPlanes::is_among(const std::vector<Plane>& planes, const Plane& plane) const {
   return std::any_of(planes.begin(), planes.end(),
                      [&](const Plane& other) { return is_same(other, plane); });
+}
+
+bool StaticPlanes::is_larger_than_people(const Plane& plane) const {
+  const PlaneOptions larger = larger_than_people(plane_options_);
+  return static_cast<double>(plane.extent) >= larger.min_extent &&
+         static_cast<double>(plane.width) >= larger.min_width;
 }
 
 bool StaticPlanes::is_large(const Plane& plane) const {

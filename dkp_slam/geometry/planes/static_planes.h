@@ -54,9 +54,10 @@ class StaticPlanes {
   /// view, and adapts the others to it. `time` in seconds.
   void update(const DepthView& view, const std::vector<Plane>& found, double time);
   /// Finds planes in a frame outside `hidden`, and updates. One that lies in `people` more than
-  /// elsewhere is none of the room: two backs side by side, a monitor and an arm. Both CV_8UC1 of
-  /// the view's size, or empty. Where boxes alone are hidden (`people` is empty) and no plane has
-  /// been known for long, one that is larger than people is looked for in them, too.
+  /// elsewhere and runs on into `hidden` is none of the room: two backs side by side, a monitor and
+  /// an arm. Both CV_8UC1 of the view's size, or empty. Where no plane has been known for long, one
+  /// that is larger than people is of the room in any case, and where boxes alone are hidden
+  /// (`people` is empty) it is looked for in them, too.
   void look(const DepthView& view, const cv::Mat& hidden, const cv::Mat& people, double time,
             std::uint64_t seed);
   const PlaneOptions& plane_options() const { return plane_options_; }
@@ -70,9 +71,11 @@ class StaticPlanes {
   bool is_same(const Plane& a, const Plane& b) const;
   bool is_among(const std::vector<Plane>& planes, const Plane& plane) const;
   bool is_large(const Plane& plane) const;
+  bool is_larger_than_people(const Plane& plane) const;
   bool is_proved(const Known& known) const;
   bool none_proved() const;
-  bool runs_through_people(const DepthView& view, const cv::Mat& people, const Plane& plane) const;
+  bool runs_through_people(const DepthView& view, const cv::Mat& silhouettes, const cv::Mat& people,
+                           const Plane& plane) const;
   bool adapt(const DepthView& view, Plane& plane) const;
   void add_largest(const DepthView& view, std::uint64_t seed, std::vector<Plane>& found) const;
 

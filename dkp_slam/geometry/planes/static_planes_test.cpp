@@ -1,5 +1,8 @@
 #include "dkp_slam/geometry/planes/static_planes.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/vga_camera.h"
@@ -49,6 +52,44 @@ TEST(StaticPlanes, WhatLiesInSomebodyMoreThanElsewhereIsNone) {
   };
   EXPECT_EQ(planes_beside(most), 0U);
   EXPECT_EQ(planes_beside({}), 1U);  // boxes have room in them
+}
+
+TEST(StaticPlanes, WhatTheirHullsHoldIsOfTheRoomWhereItEndsAtPeople) {
+  // Somebody 0.6 m away; in his hull, and a strip beside it, a board shows 1 m away.
+  cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(0.0F));
+  depth(cv::Rect(200, 0, 250, 480)) = 1.0;
+  depth(cv::Rect(0, 0, 200, 480)) = 0.6;
+  const DepthView view = make_depth_view(depth, depth_view_rays(testing::vga_camera()));
+  cv::Mat silhouette = cv::Mat::zeros(view.depth.size(), CV_8UC1), hull = silhouette.clone();
+  silhouette.colRange(0, 100) = 255;
+  hull.colRange(0, 200) = 255;
+  PlaneOptions options;
+  options.min_extent = options.min_width = 0.3;
+  StaticPlanes known({}, options);
+  known.look(view, silhouette, hull, 0.0, 1);
+  ASSERT_EQ(known.planes().size(), 1U);
+  EXPECT_NEAR(std::abs(known.planes()[0].distance), 1.0, 0.01);
+  // A silhouette that takes in a part of it: two backs side by side, of which one was missed.
+  silhouette.colRange(0, 130) = 255;
+  StaticPlanes others({}, options);
+  others.look(view, silhouette, hull, 0.0, 1);
+  EXPECT_EQ(others.planes().size(), 0U);
+}
+
+TEST(StaticPlanes, AtAStartWhatIsLargerThanPeopleIsOfTheRoomThoughSilhouettesHoldIt) {
+  const DepthView wall = make_depth_view(cv::Mat(480, 640, CV_32FC1, cv::Scalar(1.4F)),
+                                         depth_view_rays(testing::vga_camera()));
+  cv::Mat silhouettes = cv::Mat::zeros(wall.depth.size(), CV_8UC1);
+  silhouettes.colRange(0, 60) = 255;
+  const cv::Mat hulls(wall.depth.size(), CV_8UC1, cv::Scalar(255));
+  const auto walls_found_by = [&](StaticPlanes known) {
+    known.look(wall, silhouettes, hulls, 0.05, 1);
+    const std::vector<Plane> planes = known.planes();
+    return std::count_if(planes.begin(), planes.end(),
+                         [](const Plane& p) { return std::abs(p.normal.z()) > 0.9F; });
+  };
+  EXPECT_EQ(walls_found_by(StaticPlanes({}, {})), 1);
+  EXPECT_EQ(walls_found_by(planes_with_table()), 0);
 }
 
 TEST(StaticPlanes, WhereABoxHidesAllWhatIsLargerThanAnybodyIsFound) {
