@@ -36,6 +36,17 @@ std::vector<ObjectRegions> regions_of(const std::vector<DynamicObject>& objects)
   return regions;
 }
 
+/// What is known of features before a rule judges them.
+void describe(const std::vector<cv::Point2f>& points, const std::vector<ObjectRegions>& regions,
+              const cv::Mat& labels, const FeatureMotion& motion,
+              std::vector<FeatureDynamics>& features) {
+  assign_regions(points, regions, labels, features);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    features[i].tracked = motion.tracks.tracked[i] != 0;
+    features[i].motion_residual = motion.residual[i];
+  }
+}
+
 }  // namespace
 
 struct DynamicsModule::State {
@@ -55,7 +66,7 @@ struct DynamicsModule::State {
   DynamicsParts parts;
   MotionHistory history;  // carries answers about earlier images
   MaskDepthChoice mask_depth;
-  cv::Mat previous_labels;             // Work::labels of the frame before
+  cv::Mat previous_labels;             // Work::labels of the frame that was processed last
   DepthView view;                      // of the frame that was processed last
   std::optional<CameraMotion> motion;  // into it, where what lies outside the boxes tells
 
@@ -229,11 +240,7 @@ void DynamicsModule::State::learn_background(const cv::Mat& grey, const Work& wo
 void DynamicsModule::State::classify(Work& work, FrameDynamics& result) {
   const TraceSpan span("removal");
   const std::vector<ObjectRegions> regions = regions_of(result.objects);
-  assign_regions(work.points, regions, work.labels, result.features);
-  for (std::size_t i = 0; i < work.points.size(); ++i) {
-    result.features[i].tracked = work.motion.tracks.tracked[i] != 0;
-    result.features[i].motion_residual = work.motion.residual[i];
-  }
+  describe(work.points, regions, work.labels, work.motion, result.features);
   const RemovalInput input{work.points, regions, work.labels, work.frame.depth, work.motion};
   parts.classifier->classify(input, result.features);
   result.doubtful = parts.classifier->doubtful(input);
@@ -336,26 +343,21 @@ void DynamicsModule::judge_added(const RgbdFrame& frame, const std::vector<cv::K
   const State& s = *state_;
   if (!s.parts.classifier || !s.parts.classifier->judges_one_by_one() || !s.motion) return;
   const TraceSpan span("removal");
-  const std::vector<cv::Rect2f> boxes = s.parts.objects->self_moving_boxes();
-  std::vector<cv::Point2f> points;
-  std::vector<std::size_t> index;  // in the keypoints
-  for (std::size_t i = first; i < keypoints.size(); ++i) {
-    const cv::Point2f& p = keypoints[i].pt;
-    if (std::none_of(boxes.begin(), boxes.end(), [&](const auto& b) { return b.contains(p); })) {
-      continue;
-    }
-    points.push_back(p);
+  std::vector<cv::Point2f> all, points;
+  cv::KeyPoint::convert(keypoints, all);
+  const std::vector<std::uint8_t> outside =
+      outside_boxes(all, s.parts.objects->self_moving_boxes());
+  std::vector<std::size_t> index;  // of the points in the keypoints
+  for (std::size_t i = first; i < all.size(); ++i) {
+    if (outside[i] != 0) continue;
+    points.push_back(all[i]);
     index.push_back(i);
   }
   if (points.empty()) return;
   const std::vector<ObjectRegions> regions = regions_of(dynamics.objects);
   const FeatureMotion motion = s.parts.motion->measure(frame.depth, points, s.motion);
   std::vector<FeatureDynamics> verdicts(points.size());
-  assign_regions(points, regions, s.previous_labels, verdicts);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    verdicts[k].tracked = motion.tracks.tracked[k] != 0;
-    verdicts[k].motion_residual = motion.residual[k];
-  }
+  describe(points, regions, s.previous_labels, motion, verdicts);
   constexpr bool bring_back = false;  // a pose that lacks features needs none that move
   const RemovalInput input{points, regions, s.previous_labels, frame.depth, motion, bring_back};
   s.parts.classifier->classify(input, verdicts);

@@ -132,6 +132,11 @@ PlaneOptions larger_than_people(PlaneOptions options) {
   return options;
 }
 
+bool is_large_enough(const Plane& plane, const PlaneOptions& options) {
+  return static_cast<double>(plane.extent) >= options.min_extent &&
+         static_cast<double>(plane.width) >= options.min_width;
+}
+
 void InlierCounter::add(const Eigen::Vector3f& point, float tolerance) {
   x_.push_back(point.x());
   y_.push_back(point.y());
@@ -183,10 +188,7 @@ std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
     std::copy_if(points.begin(), points.end(), std::back_inserter(inliers),
                  [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });
     best = least_squares(inliers);
-    const bool room = static_cast<double>(best.extent) >= options.min_extent &&
-                      static_cast<double>(best.width) >= options.min_width &&
-                      !seen_edge_on(best, inliers);
-    if (room) planes.push_back(best);
+    if (is_large_enough(best, options) && !seen_edge_on(best, inliers)) planes.push_back(best);
     std::erase_if(points, [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });
   }
   return planes;

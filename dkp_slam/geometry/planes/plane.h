@@ -46,6 +46,9 @@ struct PlaneOptions {
 /// known of the view. A back is narrower; two side by side seldom make one plane of this size.
 PlaneOptions larger_than_people(PlaneOptions options);
 
+/// By `min_extent` and `min_width`.
+bool is_large_enough(const Plane& plane, const PlaneOptions& options);
+
 /// Points, each with the distance by which it may lie off a plane: RANSAC asks again and again how
 /// many a plane holds. Kept by coordinate, so that the compiler counts several at a time.
 class InlierCounter {

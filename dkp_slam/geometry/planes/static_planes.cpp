@@ -59,7 +59,7 @@ void StaticPlanes::look(const DepthView& view, const cv::Mat& hidden, const cv::
   if (!people.empty()) {
     std::erase_if(found, [&](const Plane& p) {
       // Silhouettes of a start may hold the desk they stand at.
-      if (none_known && is_larger_than_people(p)) return false;
+      if (none_known && is_large_enough(p, larger_than_people(plane_options_))) return false;
       return runs_through_people(view, hidden, people, p);
     });
   } else if (!hidden.empty() && none_known) {
@@ -139,12 +139,6 @@ bool StaticPlanes::is_same(const Plane& a, const Plane& b) const {
 bool StaticPlanes::is_among(const std::vector<Plane>& planes, const Plane& plane) const {
   return std::any_of(planes.begin(), planes.end(),
                      [&](const Plane& other) { return is_same(other, plane); });
-}
-
-bool StaticPlanes::is_larger_than_people(const Plane& plane) const {
-  const PlaneOptions larger = larger_than_people(plane_options_);
-  return static_cast<double>(plane.extent) >= larger.min_extent &&
-         static_cast<double>(plane.width) >= larger.min_width;
 }
 
 bool StaticPlanes::is_large(const Plane& plane) const {

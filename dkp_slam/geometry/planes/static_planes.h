@@ -71,7 +71,6 @@ class StaticPlanes {
   bool is_same(const Plane& a, const Plane& b) const;
   bool is_among(const std::vector<Plane>& planes, const Plane& plane) const;
   bool is_large(const Plane& plane) const;
-  bool is_larger_than_people(const Plane& plane) const;
   bool is_proved(const Known& known) const;
   bool none_proved() const;
   bool runs_through_people(const DepthView& view, const cv::Mat& silhouettes, const cv::Mat& people,
