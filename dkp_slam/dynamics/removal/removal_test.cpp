@@ -1,3 +1,5 @@
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "dkp_slam/dynamics/removal/epipolar_rule.h"
@@ -165,6 +167,30 @@ TEST_F(Rules, WhatThePoseNeedsComesBackThatWhichMovesLeastFirst) {
   options.least_static = 100;  // masks and outlines stay away
   EXPECT_EQ(kept_by(ResidualRule(options)),
             (std::vector<bool>{false, false, true, true, true, true, true}));
+}
+
+TEST_F(Rules, WhatIsBesideAMaskComesBackToo) {
+  depth_.setTo(2.0F);
+  // Two beside the person's mask, at his depth, and one in his box farther off that is seen to
+  // move.
+  const std::vector<cv::Point2f> points{{188, 130}, {190, 150}, {240, 240}};
+  depth_.at<float>(240, 240) = 3.0F;
+  motion_.residual.assign(points.size(), 0.2F);
+  const auto kept = [&](const std::vector<float>& residual, int least) {
+    RemovalOptions options;
+    options.least_static = least;
+    std::vector<FeatureDynamics> features(points.size());
+    motion_.long_residual = residual;
+    assign_regions(points, objects_, labels_, features);
+    ResidualRule(options).classify({points, objects_, labels_, depth_, motion_}, features);
+    std::vector<bool> all;
+    for (const FeatureDynamics& f : features) all.push_back(f.is_static);
+    return all;
+  };
+  EXPECT_EQ(kept({2.0F, 1.0F, 9.0F}, 0), (std::vector<bool>{false, false, false}));
+  EXPECT_EQ(kept({2.0F, 1.0F, 9.0F}, 1), (std::vector<bool>{false, true, false}));
+  EXPECT_EQ(kept({2.0F, 12.0F, 9.0F}, 2), (std::vector<bool>{true, false, true}));
+  EXPECT_EQ(kept({2.0F, 12.0F, 9.0F}, 3), (std::vector<bool>{true, true, true}));
 }
 
 TEST_F(Rules, KnowWhereNothingIsStaticUnseen) {

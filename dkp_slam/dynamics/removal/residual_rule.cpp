@@ -41,6 +41,7 @@ void ResidualRule::classify(const RemovalInput& input,
     if (f.is_static && !beside.empty() && label_at(beside, input.points[i]) != 0) {
       f.is_static =
           !mask_depth_.is_shared(masks, input.depth, nearest_pixel(masks.size(), input.points[i]));
+      if (!f.is_static) moving.emplace_back(motion(f, input.motion.long_residual[i], noise), i);
     }
     if (f.is_static && f.region != Region::low) {
       const float moves = motion(f, input.motion.long_residual[i], noise);

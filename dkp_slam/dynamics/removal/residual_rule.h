@@ -12,11 +12,11 @@ namespace dkp_slam {
 /// Removes the masks of what moves by itself with their outlines and what is beside them at their
 /// depth, and of the rest of all boxes the features that are seen to move: off the place where the
 /// measured ego-motion puts what is static, by more than its noise. What flow cannot follow is no
-/// proof. Where that leaves too few for a pose, those that move least come back. Outside the boxes
-/// single features prove nothing either: where a hand moves the camera in a still room 6 to 12% of
-/// the features are off by more than 2 px, and half of those of a blurred image, for flow slips
-/// along edges and on patterns that repeat. What really moves there is a surface, and becomes an
-/// object (`MovingSurfaces`).
+/// proof. Where that leaves too few for a pose, those that move least come back, but for masks and
+/// outlines. Outside the boxes single features prove nothing either: where a hand moves the camera
+/// in a still room 6 to 12% of the features are off by more than 2 px, and half of those of a
+/// blurred image, for flow slips along edges and on patterns that repeat. What really moves there
+/// is a surface, and becomes an object (`MovingSurfaces`).
 class ResidualRule : public FeatureClassifier {
  public:
   explicit ResidualRule(const RemovalOptions& options)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <optional>
 #include <random>
@@ -72,17 +73,45 @@ class LargestPlane {
   InlierCounter counter_;
 };
 
-std::vector<Eigen::Vector3f> sample_points(const DepthView& view, const cv::Mat& exclude) {
-  constexpr int stride = 6;  // about 2,000 points of a 640x480 image
+/// Points of the view and the pixels they are seen at.
+struct Samples {
   std::vector<Eigen::Vector3f> points;
+  std::vector<cv::Point> pixels;
+};
+
+Samples sample_points(const DepthView& view, const cv::Mat& exclude) {
+  constexpr int stride = 6;  // about 2,000 points of a 640x480 image
+  Samples samples;
   for (int y = stride / 2; y < view.depth.rows; y += stride) {
     for (int x = stride / 2; x < view.depth.cols; x += stride) {
       if (view.depth.at<float>(y, x) <= 0.0F) continue;
       if (!exclude.empty() && exclude.at<std::uint8_t>(y, x) != 0) continue;
-      points.push_back(view.point(x, y));
+      samples.points.push_back(view.point(x, y));
+      samples.pixels.emplace_back(x, y);
     }
   }
-  return points;
+  return samples;
+}
+
+/// Those that lie on a plane, or those that do not.
+Samples points_on(const Samples& samples, const Plane& plane, const PlaneOptions& options,
+                  bool on) {
+  Samples out;
+  for (std::size_t i = 0; i < samples.points.size(); ++i) {
+    if (lies_on(plane, samples.points[i], options) != on) continue;
+    out.points.push_back(samples.points[i]);
+    out.pixels.push_back(samples.pixels[i]);
+  }
+  return out;
+}
+
+/// A plane that cuts through things has points on it, but their surfaces do not run along it.
+bool cuts_through(const DepthView& view, const Plane& plane, const std::vector<cv::Point>& pixels,
+                  const PlaneOptions& options) {
+  const auto along = std::count_if(pixels.begin(), pixels.end(), [&](const cv::Point& p) {
+    return runs_along(view, plane, p.x, p.y, options);
+  });
+  return static_cast<double>(along) < options.min_along * static_cast<double>(pixels.size());
 }
 
 /// 0 in `near` for the pixels of row y that are farther off the plane than lies_on allows for, as
@@ -117,6 +146,8 @@ void PlaneOptions::describe(OptionList& list) {
   list.add("thickness_quadratic", thickness_quadratic, at_least(0), "1/metre",
            "half thickness that depth squared adds");
   list.add("iterations", iterations, between(1, 100000), "", "of RANSAC");
+  list.add("min_along", min_along, between(0, 1), "",
+           "of a plane's points: a plane that fewer run along cuts through things");
   list.add("removal_margin", removal_margin, at_least(0), "metres",
            "added to the thickness when pixels are removed");
   list.add("slope_error", slope_error, at_least(0), "",
@@ -173,23 +204,23 @@ Plane fit_plane(const std::vector<Eigen::Vector3f>& points) { return least_squar
 
 std::vector<Plane> fit_planes(const DepthView& view, const cv::Mat& exclude,
                               const PlaneOptions& options, std::uint64_t seed) {
-  std::vector<Eigen::Vector3f> points = sample_points(view, exclude);
-  const auto needed = static_cast<int>(options.min_share * static_cast<double>(points.size()));
+  Samples left = sample_points(view, exclude);
+  const auto needed = static_cast<int>(options.min_share * static_cast<double>(left.points.size()));
   std::vector<Plane> planes;
   std::mt19937_64 random(seed);
   constexpr int min_points = 30;
   for (int round = 0; round < options.max_planes; ++round) {
-    if (static_cast<int>(points.size()) <= std::max(min_points, needed)) break;
-    LargestPlane problem(points, options, random);
+    if (static_cast<int>(left.points.size()) <= std::max(min_points, needed)) break;
+    LargestPlane problem(left.points, options, random);
     const auto found = ransac<Plane>(problem, options.iterations, 0);
     if (!found.model || found.score < std::max(min_points, needed)) break;
-    Plane best = *found.model;
-    std::vector<Eigen::Vector3f> inliers;
-    std::copy_if(points.begin(), points.end(), std::back_inserter(inliers),
-                 [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });
-    best = least_squares(inliers);
-    if (is_large_enough(best, options) && !seen_edge_on(best, inliers)) planes.push_back(best);
-    std::erase_if(points, [&](const Eigen::Vector3f& p) { return lies_on(best, p, options); });
+    const Samples on = points_on(left, *found.model, options, true);
+    const Plane best = least_squares(on.points);
+    if (is_large_enough(best, options) && !seen_edge_on(best, on.points) &&
+        !cuts_through(view, best, on.pixels, options)) {
+      planes.push_back(best);
+    }
+    left = points_on(left, best, options, false);
   }
   return planes;
 }

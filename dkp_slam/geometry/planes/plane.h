@@ -33,6 +33,9 @@ struct PlaneOptions {
   double thickness_constant = 0.015;
   double thickness_quadratic = 0.006;
   int iterations = 80;  ///< RANSAC: with 12% of inliers in the worst case, guided by locality
+  /// Share of a plane's points whose surface runs along it: one through a floor, a chair and an arm
+  /// has points of all, and hardly any surface.
+  double min_along = 0.4;
   /// Added to it when pixels are removed, metres: what lies flat on a table (books, a keyboard)
   /// goes with it.
   double removal_margin = 0.02;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -136,6 +137,23 @@ TEST(Planes, WhatRunsThroughTheCameraIsNone) {
     depth(cv::Rect(u, 232, 1, 17)) = 0.8 + 0.1 * (u * 7 % 13);
   }
   EXPECT_TRUE(fit_planes(make_depth_view(depth, depth_view_rays(camera)), {}, {}, 1).empty());
+}
+
+TEST(Planes, WhatCutsThroughThingsIsNone) {
+  // The backs of chairs in a row that recedes: a plane runs through all of them, along none.
+  cv::Mat depth = cv::Mat::zeros(480, 640, CV_32FC1);
+  constexpr int backs = 8, wide = 40;  // pixels
+  for (int k = 0; k < backs; ++k) {
+    depth(cv::Rect(160 + wide * k, 0, wide, depth.rows)) = 1.0 / (1.1 - 0.1 * k);
+  }
+  const DepthView chairs = make_depth_view(depth, depth_view_rays(testing::vga_camera()));
+  PlaneOptions options;
+  options.max_planes = 1;
+  EXPECT_TRUE(fit_planes(chairs, {}, options, 1).empty());
+  options.min_along = 0.0;
+  const std::vector<Plane> through = fit_planes(chairs, {}, options, 1);
+  ASSERT_EQ(through.size(), 1U);
+  EXPECT_GT(std::abs(through[0].normal.x()), 0.5F);
 }
 
 TEST(StaticPlanes, GoAlongWithTheCamera) {
