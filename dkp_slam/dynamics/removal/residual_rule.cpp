@@ -38,14 +38,12 @@ void ResidualRule::classify(const RemovalInput& input,
   for (std::size_t i = 0; i < features.size(); ++i) {
     FeatureDynamics& f = features[i];
     f.is_static = label_at(outlines, input.points[i]) == 0;
-    if (f.is_static && !beside.empty() && label_at(beside, input.points[i]) != 0) {
-      f.is_static =
-          !mask_depth_.is_shared(masks, input.depth, nearest_pixel(masks.size(), input.points[i]));
-      if (!f.is_static) moving.emplace_back(motion(f, input.motion.long_residual[i], noise), i);
-    }
-    if (f.is_static && f.region != Region::low) {
+    if (f.is_static) {
+      const bool is_theirs =
+          !beside.empty() && label_at(beside, input.points[i]) != 0 &&
+          mask_depth_.is_shared(masks, input.depth, nearest_pixel(masks.size(), input.points[i]));
       const float moves = motion(f, input.motion.long_residual[i], noise);
-      f.is_static = moves < 1.0F;
+      f.is_static = !is_theirs && (f.region == Region::low || moves < 1.0F);
       if (!f.is_static) moving.emplace_back(moves, i);
     }
     left += f.is_static ? 1 : 0;
