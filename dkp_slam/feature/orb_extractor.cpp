@@ -95,11 +95,28 @@ class Pyramid {
     return levels_[l];
   }
 
+  /// All of them, once nobody asks any more.
+  std::vector<cv::Mat> take() {
+    for (int l = 0; l < levels(); ++l) level(l);
+    return std::move(levels_);
+  }
+
  private:
   std::vector<cv::Size> sizes_;
   std::vector<cv::Mat> levels_;
   std::vector<std::once_flag> made_;
 };
+
+/// What `of_level` makes of each level. They have nothing to do with each other, and are done in
+/// several threads at once: whoever waits for a frame gets it sooner.
+template <typename OfLevel>
+std::vector<OrbFeatures> each_level(int count, const OfLevel& of_level) {
+  std::vector<OrbFeatures> levels(static_cast<std::size_t>(count));
+  cv::parallel_for_(cv::Range(0, count), [&](const cv::Range& range) {
+    for (int l = range.start; l < range.end; ++l) levels[static_cast<std::size_t>(l)] = of_level(l);
+  });
+  return levels;
+}
 
 }  // namespace
 
@@ -118,37 +135,32 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
   }
 }
 
-template <typename OfLevel>
-std::vector<OrbFeatures> OrbExtractor::each_level(const cv::Mat& grey,
-                                                  const OfLevel& of_level) const {
+cv::Mat OrbExtractor::ground_of(const cv::Mat& grey) const {
   CV_Assert(grey.type() == CV_8UC1);
-  cv::Mat ground = grey;
   const double enlargement = options_.enlargement;
-  if (enlargement > 1.0) {
-    cv::resize(grey, ground, {}, enlargement, enlargement, cv::INTER_LINEAR);
-  }
-  std::vector<cv::Size> sizes{ground.size()};
+  if (enlargement <= 1.0) return grey;
+  cv::Mat ground;
+  cv::resize(grey, ground, {}, enlargement, enlargement, cv::INTER_LINEAR);
+  return ground;
+}
+
+std::vector<cv::Size> OrbExtractor::level_sizes(const cv::Size& ground) const {
+  std::vector<cv::Size> sizes{ground};
   for (int level = 1; level < options_.levels; ++level) {
     const float scale = scales_[static_cast<std::size_t>(level)];
-    const cv::Size size(cvRound(ground.cols / scale), cvRound(ground.rows / scale));
+    const cv::Size size(cvRound(ground.width / scale), cvRound(ground.height / scale));
     if (size.width <= 2 * border || size.height <= 2 * border) break;
     sizes.push_back(size);
   }
-  Pyramid pyramid(ground, std::move(sizes));
-  // Levels have nothing to do with each other: whoever waits for a frame gets it sooner.
-  std::vector<OrbFeatures> levels(static_cast<std::size_t>(pyramid.levels()));
-  cv::parallel_for_(cv::Range(0, pyramid.levels()), [&](const cv::Range& range) {
-    for (int level = range.start; level < range.end; ++level) {
-      const cv::Mat& image = pyramid.level(level);
-      if (image.cols <= 2 * border || image.rows <= 2 * border) continue;
-      levels[static_cast<std::size_t>(level)] = of_level(image, level);
-    }
-  });
-  return levels;
+  return sizes;
 }
 
 OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
-  std::vector<OrbFeatures> levels = each_level(grey, [&](const cv::Mat& image, int level) {
+  const cv::Mat ground = ground_of(grey);
+  Pyramid pyramid(ground, level_sizes(ground.size()));
+  std::vector<OrbFeatures> levels = each_level(pyramid.levels(), [&](int level) {
+    const cv::Mat& image = pyramid.level(level);
+    if (image.cols <= 2 * border || image.rows <= 2 * border) return OrbFeatures();
     std::vector<cv::KeyPoint> corners = find_corners(image);
     OrbFeatures features = describe(image, spread(corners, image.size(), level), level);
     features.corners.push_back(std::move(corners));
@@ -160,18 +172,18 @@ OrbFeatures OrbExtractor::extract(const cv::Mat& grey) const {
     out.corners.push_back(f.corners.empty() ? std::vector<cv::KeyPoint>()
                                             : std::move(f.corners.front()));
   }
+  out.levels = pyramid.take();
   return out;
 }
 
-OrbFeatures OrbExtractor::extract_more(const cv::Mat& grey, const OrbFeatures& found,
-                                       const cv::Mat& allowed) const {
+OrbFeatures OrbExtractor::extract_more(const OrbFeatures& found, const cv::Mat& allowed) const {
   std::vector<std::tuple<int, float, float>> known;
   known.reserve(found.keypoints.size());
   for (const cv::KeyPoint& k : found.keypoints) known.emplace_back(k.octave, k.pt.x, k.pt.y);
   std::sort(known.begin(), known.end());
   OrbFeatures out;
-  const auto of_level = [&](const cv::Mat& image, int level) {
-    if (static_cast<std::size_t>(level) >= found.corners.size()) return OrbFeatures();
+  const auto of_level = [&](int level) {
+    const cv::Mat& image = found.levels[static_cast<std::size_t>(level)];
     std::vector<cv::KeyPoint> corners = found.corners[static_cast<std::size_t>(level)];
     const float to_x = static_cast<float>(allowed.cols) / static_cast<float>(image.cols);
     const float to_y = static_cast<float>(allowed.rows) / static_cast<float>(image.rows);
@@ -179,6 +191,7 @@ OrbFeatures OrbExtractor::extract_more(const cv::Mat& grey, const OrbFeatures& f
       return allowed.at<uchar>(static_cast<int>(k.pt.y * to_y), static_cast<int>(k.pt.x * to_x)) ==
              0;
     });
+    if (corners.empty()) return OrbFeatures();
     corners = spread(corners, image.size(), level);
     std::erase_if(corners, [&](const cv::KeyPoint& k) {
       const cv::Point2f pixel = image_pixel(k.pt, level);
@@ -186,7 +199,8 @@ OrbFeatures OrbExtractor::extract_more(const cv::Mat& grey, const OrbFeatures& f
     });
     return corners.empty() ? OrbFeatures() : describe(image, std::move(corners), level);
   };
-  for (const OrbFeatures& f : each_level(grey, of_level)) append(f, out);
+  const int levels = static_cast<int>(std::min(found.levels.size(), found.corners.size()));
+  for (const OrbFeatures& f : each_level(levels, of_level)) append(f, out);
   return out;
 }
 

@@ -32,6 +32,7 @@ struct OrbFeatures {
   std::vector<Descriptor> descriptors;  ///< one per keypoint
   /// All corners of each level that the keypoints were chosen from, pixels of the level.
   std::vector<std::vector<cv::KeyPoint>> corners;
+  std::vector<cv::Mat> levels;  ///< the image at each level, CV_8UC1
 };
 
 /// ORB (Rublee et al. 2011) with corners spread over the image by a quad-tree, as ORB-SLAM does
@@ -45,20 +46,19 @@ class OrbExtractor {
   /// `grey`: CV_8UC1. Deterministic.
   OrbFeatures extract(const cv::Mat& grey) const;
 
-  /// As many features as an image gets where `allowed` (CV_8UC1, size of `grey`) is not 0, from the
-  /// corners of `found` (of the same image and levels), but for those that `found` has already. The
-  /// result has no corners of its own.
-  OrbFeatures extract_more(const cv::Mat& grey, const OrbFeatures& found,
-                           const cv::Mat& allowed) const;
+  /// As many features as an image gets where `allowed` (CV_8UC1, size of the image) is not 0, from
+  /// the corners of `found` (by an extractor of the same levels), but for those that `found` has
+  /// already. The result has no corners of its own.
+  OrbFeatures extract_more(const OrbFeatures& found, const cv::Mat& allowed) const;
 
   const OrbOptions& options() const { return options_; }
   /// Side length of a pixel of a level in pixels of level 0.
   float scale_of(int level) const { return scales_[static_cast<std::size_t>(level)]; }
 
  private:
-  /// What `of_level` makes of each level's image, which may be done in several threads at once.
-  template <typename OfLevel>
-  std::vector<OrbFeatures> each_level(const cv::Mat& grey, const OfLevel& of_level) const;
+  /// Level 0 of an image and the sizes of all its levels.
+  cv::Mat ground_of(const cv::Mat& grey) const;
+  std::vector<cv::Size> level_sizes(const cv::Size& ground) const;
   std::vector<cv::KeyPoint> find_corners(const cv::Mat& image) const;
   /// The best of them, spread over the level.
   std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& corners, const cv::Size& image,

@@ -47,7 +47,7 @@ TEST(OrbExtractor, TakesMoreCornersWhereTheyAreAllowedAndAllOfThemThere) {
   allowed(cv::Rect(100, 200, 240, 180)) = 1;
   const OrbExtractor extractor;
   const OrbFeatures found = extractor.extract(image);
-  const OrbFeatures more = extractor.extract_more(image, found, allowed);
+  const OrbFeatures more = extractor.extract_more(found, allowed);
   const cv::Rect2f area(98.0F, 198.0F, 245.0F, 185.0F);  // a level's pixel is up to 3.6 wide
   std::set<std::tuple<int, float, float>> places;
   for (const cv::KeyPoint& k : found.keypoints) places.insert({k.octave, k.pt.x, k.pt.y});
@@ -68,13 +68,13 @@ TEST(OrbExtractor, FindsTheSameAgainWhereEverythingIsAllowed) {
     options.enlargement = enlargement;
     const OrbExtractor extractor(options);
     OrbFeatures found = extractor.extract(image);
-    EXPECT_TRUE(extractor.extract_more(image, found, everywhere).keypoints.empty());
+    EXPECT_TRUE(extractor.extract_more(found, everywhere).keypoints.empty());
     // What is taken away is found again, with the same descriptor.
     const cv::KeyPoint k = found.keypoints.back();
     const Descriptor d = found.descriptors.back();
     found.keypoints.pop_back();
     found.descriptors.pop_back();
-    const OrbFeatures again = extractor.extract_more(image, found, everywhere);
+    const OrbFeatures again = extractor.extract_more(found, everywhere);
     ASSERT_EQ(again.keypoints.size(), 1U);
     EXPECT_EQ(again.keypoints[0].pt, k.pt);
     EXPECT_EQ(again.keypoints[0].octave, k.octave);

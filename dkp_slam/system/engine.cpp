@@ -74,7 +74,7 @@ std::shared_ptr<FrameSnapshot> Engine::track(PreparedFrame prepared) {
                                      dynamics_.judge_added(prepared.frame, prepared.orb.keypoints,
                                                            first, snapshot->dynamics);
                                    }};
-    refill_.refill(prepared.grey, room, prepared.orb, snapshot->dynamics);
+    refill_.refill(room, prepared.orb, snapshot->dynamics);
   }
   const FrameDynamics& dynamics = snapshot->dynamics;
   result.clustering_ms = dynamics.clustering_ms;

@@ -23,9 +23,9 @@ std::ptrdiff_t remaining(const FrameDynamics& dynamics) {
                        [](const FeatureDynamics& f) { return f.is_static; });
 }
 
-void add(const OrbExtractor& extractor, const cv::Mat& grey, const cv::Mat& allowed,
-         OrbFeatures& features, FrameDynamics& dynamics) {
-  const OrbFeatures more = extractor.extract_more(grey, features, allowed);
+void add(const OrbExtractor& extractor, const cv::Mat& allowed, OrbFeatures& features,
+         FrameDynamics& dynamics) {
+  const OrbFeatures more = extractor.extract_more(features, allowed);
   features.keypoints.insert(features.keypoints.end(), more.keypoints.begin(), more.keypoints.end());
   features.descriptors.insert(features.descriptors.end(), more.descriptors.begin(),
                               more.descriptors.end());
@@ -52,20 +52,19 @@ FeatureRefill::FeatureRefill(const OrbOptions& orb, const FeatureRefillOptions& 
       extractor_(with_features(orb, options.features)),
       known_extractor_(with_features(orb, options.known_features)) {}
 
-void FeatureRefill::refill(const cv::Mat& grey, const Room& room, OrbFeatures& features,
-                           FrameDynamics& dynamics) const {
+void FeatureRefill::refill(const Room& room, OrbFeatures& features, FrameDynamics& dynamics) const {
   if (dynamics.doubtful.empty()) return;
   if (remaining(dynamics) >= std::max(options_.below, options_.known_below)) return;
   cv::Mat hidden;
   cv::dilate(dynamics.doubtful, hidden, square(options_.margin));
   const cv::Mat free = hidden == 0;
   const std::size_t first = features.keypoints.size();
-  if (remaining(dynamics) < options_.below) add(extractor_, grey, free, features, dynamics);
+  if (remaining(dynamics) < options_.below) add(extractor_, free, features, dynamics);
   if (remaining(dynamics) < options_.known_below) {
     cv::Mat surfaces = room.known();
     if (!surfaces.empty()) {
       cv::erode(surfaces, surfaces, square(options_.known_inside));
-      add(known_extractor_, grey, free & surfaces, features, dynamics);
+      add(known_extractor_, free & surfaces, features, dynamics);
     }
   }
   if (features.keypoints.size() > first) room.judge(first);

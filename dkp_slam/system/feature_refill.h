@@ -41,9 +41,8 @@ class FeatureRefill {
     std::function<void(std::size_t first)> judge;
   };
   /// Appends to `features`, and their verdict to `dynamics`, where too few of them are static and
-  /// what is doubtful hides others. `grey`: CV_8UC1, their image. Deterministic.
-  void refill(const cv::Mat& grey, const Room& room, OrbFeatures& features,
-              FrameDynamics& dynamics) const;
+  /// what is doubtful hides others. Deterministic.
+  void refill(const Room& room, OrbFeatures& features, FrameDynamics& dynamics) const;
 
  private:
   FeatureRefillOptions options_;

@@ -48,7 +48,7 @@ class Crowded : public ::testing::Test {
 TEST_F(Crowded, GetsItsFeaturesWhereTheRoomIsSeen) {
   const OrbFeatures before = features_;
   ASSERT_LT(remaining(), 250);
-  FeatureRefill({}, {}).refill(grey_, nothing(), features_, dynamics_);
+  FeatureRefill({}, {}).refill(nothing(), features_, dynamics_);
   EXPECT_GT(remaining(), 600);
   ASSERT_EQ(features_.keypoints.size(), dynamics_.features.size());
   ASSERT_EQ(features_.descriptors.size(), dynamics_.features.size());
@@ -70,10 +70,10 @@ TEST_F(Crowded, NeedsNoMoreWhereEnoughIsLeft) {
   FeatureRefillOptions options;
   options.below = remaining();
   const std::size_t before = features_.keypoints.size();
-  FeatureRefill({}, options).refill(grey_, nothing(), features_, dynamics_);
+  FeatureRefill({}, options).refill(nothing(), features_, dynamics_);
   EXPECT_EQ(features_.keypoints.size(), before);
   options.below = remaining() + 1;
-  FeatureRefill({}, options).refill(grey_, nothing(), features_, dynamics_);
+  FeatureRefill({}, options).refill(nothing(), features_, dynamics_);
   EXPECT_GT(features_.keypoints.size(), before);
 }
 
@@ -90,11 +90,11 @@ TEST_F(Crowded, GetsMoreWhereTheRoomIsKnown) {
   std::vector<std::size_t> judged;
   const auto judge = [&judged](std::size_t from) { judged.push_back(from); };
   options.known_below = before;
-  FeatureRefill({}, options).refill(grey_, {surfaces, judge}, features_, dynamics_);
+  FeatureRefill({}, options).refill({surfaces, judge}, features_, dynamics_);
   EXPECT_EQ(remaining(), before);
   EXPECT_TRUE(judged.empty());
   options.known_below = before + 1;
-  FeatureRefill({}, options).refill(grey_, {surfaces, judge}, features_, dynamics_);
+  FeatureRefill({}, options).refill({surfaces, judge}, features_, dynamics_);
   EXPECT_GT(remaining(), before + 200);
   EXPECT_EQ(judged, std::vector<std::size_t>{static_cast<std::size_t>(first)});
   for (std::size_t i = static_cast<std::size_t>(first); i < features_.keypoints.size(); ++i) {
@@ -110,7 +110,7 @@ TEST_F(Crowded, GetsMoreWhereTheRoomIsKnown) {
 TEST_F(Crowded, IsLeftAloneWhereNobodyIs) {
   dynamics_.doubtful = cv::Mat();
   const std::size_t before = features_.keypoints.size();
-  FeatureRefill({}, {}).refill(grey_, nothing(), features_, dynamics_);
+  FeatureRefill({}, {}).refill(nothing(), features_, dynamics_);
   EXPECT_EQ(features_.keypoints.size(), before);
 }
 

@@ -5,7 +5,10 @@
 namespace dkp_slam {
 
 void StartKeyframe::remember(const Frame& frame, const OrbFeatures& orb, const RgbdFrame& image) {
-  start_ = Start{frame, orb, image.depth, image.depth_delay};
+  OrbFeatures features;  // without the image, which they are made of
+  features.keypoints = orb.keypoints;
+  features.descriptors = orb.descriptors;
+  start_ = Start{frame, std::move(features), image.depth, image.depth_delay};
 }
 
 bool StartKeyframe::waits_for(const Frame& frame) const {

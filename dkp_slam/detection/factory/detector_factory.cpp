@@ -34,7 +34,8 @@ class YoloxDetector : public Detector {
       throw Error("YOLOX needs a colour image of 3 channels with 8 bits each");
     }
     const cv::Size size = network_->input_size();
-    const float factor = yolox::letterbox(frame.colour, size, network_->input(), scratch_);
+    const float factor =
+        yolox::letterbox(frame.colour, size, network_->layout(), network_->input(), scratch_);
     std::vector<Detection> found = yolox::decode(network_->run(), size, factor, frame.colour.size(),
                                                  options_.classes, options_.decode);
     schedule_.saw(found, frame.colour.size());

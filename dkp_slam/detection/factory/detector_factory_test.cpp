@@ -87,6 +87,31 @@ TEST_P(YoloxBackends, FindsWhatTheImageSays) {
   }
 }
 
+TEST_P(YoloxBackends, TakesTheImageDealtOutByTwos) {
+  // As above, but the network deals its image out first, whoever does it: its first 1024 numbers
+  // are the four phases' blue, green and red, in the order of YOLOX's Focus.
+  tiny_onnx::write_focus_model(options_.model, 32, 21, 85);
+  RgbdFrame frame;
+  frame.colour = cv::Mat::zeros(32, 32, CV_8UC3);
+  const auto set = [&](int row, int column, uchar value) {
+    const int at = row * 85 + column, channel = at / 256, phase = channel / 3;
+    const int y = 2 * (at % 256 / 16) + phase % 2, x = 2 * (at % 16) + phase / 2;
+    frame.colour.at<cv::Vec3b>(y, x)[channel % 3] = value;
+  };
+  set(5, 4, 1);  // upper left pixels: stride 8, cell (1, 1)
+  set(5, 5, 1);
+  set(10, 4, 1);  // lower left: stride 8, cell (2, 2)
+  set(10, 5, 1);
+  set(20, 4, 1);  // upper right: stride 32, cell (0, 0): all of the image
+  set(20, 5 + 56, 1);
+  const std::vector<Detection> found = make_yolox_detector(options_)->detect(frame);
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_EQ(found[0].box, cv::Rect2f(4, 4, 8, 8));
+  EXPECT_EQ(found[1].box, cv::Rect2f(12, 12, 8, 8));
+  EXPECT_EQ(found[2].box, cv::Rect2f(0, 0, 16, 16));
+  EXPECT_EQ(found[2].class_id, 56);
+}
+
 TEST_P(YoloxBackends, UsesAModelThatCannotBeCutAsItIs) {
   // Its shapes are among its weights: it takes a square, whatever the images are.
   tiny_onnx::write_model(options_.model, 64, 84, 85);

@@ -19,6 +19,9 @@ struct Field {
   std::string_view bytes;   ///< of any other: the data, without their length
 };
 
+/// The number at the start of `in`, which goes on behind it; nothing where the bytes are none.
+std::optional<std::uint64_t> take_varint(std::string_view& in);
+
 /// The field at the start of `in`, which goes on behind it; nothing where the bytes are none.
 std::optional<Field> take_field(std::string_view& in);
 

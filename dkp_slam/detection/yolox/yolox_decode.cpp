@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include <opencv2/imgproc.hpp>
 
@@ -22,6 +23,21 @@ struct Letterbox {
   cv::Size inner;  ///< what the image fills, at the top left
 };
 
+/// One row of all three planes, which lie `area` apart: `filled` pixels, each `step` after the one
+/// before it in `in`, then padding.
+template <int step>
+void write_row(const uchar* in, int filled, int width, float* blue, std::size_t area) {
+  float* green = blue + area;
+  float* red = green + area;
+  for (int x = 0; x < filled; ++x) {
+    const uchar* pixel = in + static_cast<std::ptrdiff_t>(3 * step) * x;
+    blue[x] = pixel[0];
+    green[x] = pixel[1];
+    red[x] = pixel[2];
+  }
+  for (float* plane : {blue, green, red}) std::fill(plane + filled, plane + width, padding);
+}
+
 }  // namespace
 
 int row_count(const cv::Size& size) {
@@ -38,29 +54,29 @@ cv::Size filled_part(const cv::Size& whole, const cv::Size& image) {
   return {filled(box.inner.width, whole.width), filled(box.inner.height, whole.height)};
 }
 
-float letterbox(const cv::Mat& image, const cv::Size& size, float* planes, cv::Mat& scratch) {
+float letterbox(const cv::Mat& image, const cv::Size& size, InputLayout layout, float* input,
+                cv::Mat& scratch) {
   CV_Assert(image.type() == CV_8UC3 && !image.empty());
+  CV_Assert(size.width % 2 == 0 && size.height % 2 == 0);
   const auto [factor, inner] = Letterbox(size, image.size());
   const cv::Mat* resized = &image;
   if (inner != image.size()) {
     cv::resize(image, scratch, inner, 0, 0, cv::INTER_LINEAR);
     resized = &scratch;
   }
-  const std::size_t area = static_cast<std::size_t>(size.area());
   for (int y = 0; y < size.height; ++y) {
-    float* blue = planes + static_cast<std::size_t>(y) * size.width;
-    float* green = blue + area;
-    float* red = green + area;
     const int filled = y < inner.height ? inner.width : 0;
-    if (filled > 0) {
-      const uchar* in = resized->ptr<uchar>(y);
-      for (int x = 0; x < filled; ++x) {
-        blue[x] = in[3 * x];
-        green[x] = in[3 * x + 1];
-        red[x] = in[3 * x + 2];
-      }
+    const uchar* in = filled > 0 ? resized->ptr<uchar>(y) : nullptr;
+    if (layout == InputLayout::planes) {
+      const auto area = static_cast<std::size_t>(size.area());
+      write_row<1>(in, filled, size.width, input + static_cast<std::size_t>(y) * size.width, area);
+      continue;
     }
-    for (float* plane : {blue, green, red}) std::fill(plane + filled, plane + size.width, padding);
+    const int width = size.width / 2;
+    const std::size_t area = static_cast<std::size_t>(size.area()) / 4;
+    float* even = input + static_cast<std::size_t>(y / 2) * width + (y % 2 == 0 ? 0 : 3 * area);
+    write_row<2>(in, (filled + 1) / 2, width, even, area);
+    write_row<2>(filled > 0 ? in + 3 : in, filled / 2, width, even + 6 * area, area);
   }
   return factor;
 }

@@ -19,6 +19,10 @@ constexpr float padding = 114.0F;
 /// Columns of an output row: box (4), objectness (1), one score per COCO class (80).
 constexpr int row_length = 85;
 
+/// How a network takes an image: in three planes (blue, green, red), or these cut into the four
+/// phases of 2 x 2 pixels (`onnx_without_focus`): twelve planes of half the size.
+enum class InputLayout { planes, phases };
+
 /// Rows of the output for an input of `size`: cells of the grids of strides 8, 16 and 32.
 int row_count(const cv::Size& size);
 
@@ -26,10 +30,11 @@ int row_count(const cv::Size& size);
 /// an input of size `whole` does.
 cv::Size filled_part(const cv::Size& whole, const cv::Size& image);
 
-/// Writes `image` (CV_8UC3, BGR) into `planes` (3 * height * width floats, blue plane first),
-/// resized by one factor to fit `size`, at the top left, the rest `padding`. Returns the factor
-/// (input pixels per image pixel). `scratch` keeps its memory from call to call.
-float letterbox(const cv::Mat& image, const cv::Size& size, float* planes, cv::Mat& scratch);
+/// Writes `image` (CV_8UC3, BGR) into `input` (3 * height * width floats in `layout`), resized by
+/// one factor to fit `size` (both sides even), at the top left, the rest `padding`. Returns the
+/// factor (input pixels per image pixel). `scratch` keeps its memory from call to call.
+float letterbox(const cv::Mat& image, const cv::Size& size, InputLayout layout, float* input,
+                cv::Mat& scratch);
 
 /// Boxes of `output` (`row_count(size)` rows of `row_length` floats) in pixels of an image of
 /// `image_size` that went in scaled by `factor`, clipped to it, strongest first. A row yields one

@@ -36,7 +36,8 @@ TEST(Letterbox, WideImageFillsTheWidthAndIsPaddedBelow) {
   const cv::Mat image(48, 64, CV_8UC3, cv::Scalar(10, 20, 30));
   std::vector<float> planes(3 * 32 * 32, -1.0F);
   cv::Mat scratch;
-  EXPECT_FLOAT_EQ(yolox::letterbox(image, {32, 32}, planes.data(), scratch), 0.5F);
+  EXPECT_FLOAT_EQ(
+      yolox::letterbox(image, {32, 32}, yolox::InputLayout::planes, planes.data(), scratch), 0.5F);
   for (int plane = 0; plane < 3; ++plane) {
     for (int y = 0; y < 32; ++y) {
       for (int x = 0; x < 32; ++x) {
@@ -51,7 +52,8 @@ TEST(Letterbox, TallImageIsPaddedAtTheRight) {
   const cv::Mat image(64, 32, CV_8UC3, cv::Scalar(1, 2, 3));
   std::vector<float> planes(3 * 64 * 64, -1.0F);
   cv::Mat scratch;
-  EXPECT_FLOAT_EQ(yolox::letterbox(image, {64, 64}, planes.data(), scratch), 1.0F);
+  EXPECT_FLOAT_EQ(
+      yolox::letterbox(image, {64, 64}, yolox::InputLayout::planes, planes.data(), scratch), 1.0F);
   EXPECT_EQ(planes[31], 1.0F);
   EXPECT_EQ(planes[32], yolox::padding);
   EXPECT_EQ(planes[3 * 64 * 64 - 1], yolox::padding);
@@ -62,9 +64,32 @@ TEST(Letterbox, KeepsPixelsOfAnImageThatFits) {
   cv::randu(image, 0, 256);
   std::vector<float> planes(3 * 32 * 32);
   cv::Mat scratch;
-  yolox::letterbox(image, {32, 32}, planes.data(), scratch);
+  yolox::letterbox(image, {32, 32}, yolox::InputLayout::planes, planes.data(), scratch);
   EXPECT_EQ(planes[5 * 32 + 7], image.at<cv::Vec3b>(5, 7)[0]);
   EXPECT_EQ(planes[(2 * 32 + 9) * 32 + 3], image.at<cv::Vec3b>(9, 3)[2]);
+}
+
+TEST(Letterbox, PhasesHoldThePlanesPixelsByTwos) {
+  for (const cv::Size& shown : {cv::Size(64, 42), cv::Size(42, 64), cv::Size(29, 32)}) {
+    cv::Mat image(shown, CV_8UC3), scratch;
+    cv::randu(image, 0, 256);
+    const cv::Size size(32, 64);
+    std::vector<float> planes(3 * 32 * 64, -1.0F), phases(planes);
+    const float factor =
+        yolox::letterbox(image, size, yolox::InputLayout::planes, planes.data(), scratch);
+    EXPECT_EQ(yolox::letterbox(image, size, yolox::InputLayout::phases, phases.data(), scratch),
+              factor);
+    for (int plane = 0; plane < 3; ++plane) {
+      for (int y = 0; y < 64; ++y) {
+        for (int x = 0; x < 32; ++x) {
+          // Upper left, lower left, upper right, lower right.
+          const int channel = 3 * (y % 2 + 2 * (x % 2)) + plane;
+          ASSERT_EQ(phases[(channel * 32 + y / 2) * 16 + x / 2], planes[(plane * 64 + y) * 32 + x])
+              << plane << ' ' << y << ' ' << x;
+        }
+      }
+    }
+  }
 }
 
 TEST(Decode, RowCountOfTheOfficialSizes) {

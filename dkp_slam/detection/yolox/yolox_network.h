@@ -6,6 +6,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "dkp_slam/detection/yolox/yolox_decode.h"
 #include "dkp_slam/detection/yolox_options.h"
 
 namespace dkp_slam {
@@ -18,6 +19,8 @@ class YoloxNetwork {
   virtual std::string name() const = 0;
   /// Size of the image it takes.
   virtual cv::Size input_size() const = 0;
+  /// How it takes it.
+  virtual yolox::InputLayout layout() const { return yolox::InputLayout::planes; }
   /// Where the next input goes: 3 * height * width floats.
   virtual float* input() = 0;
   /// Runs the network on `input()`. The result holds yolox::row_count rows of yolox::row_length

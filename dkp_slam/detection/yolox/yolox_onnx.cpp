@@ -5,6 +5,7 @@
 #include <onnxruntime_cxx_api.h>
 #include <spdlog/spdlog.h>
 
+#include "dkp_slam/detection/yolox/onnx_focus.h"
 #include "dkp_slam/detection/yolox/yolox_decode.h"
 #include "dkp_slam/detection/yolox/yolox_model.h"
 #include "dkp_slam/detection/yolox/yolox_network.h"
@@ -72,7 +73,10 @@ void add_provider(const std::string& wanted, Ort::SessionOptions& session_option
 
 class OnnxNetwork : public YoloxNetwork {
  public:
-  OnnxNetwork(const YoloxOptions& options, const std::string& bytes) {
+  OnnxNetwork(const YoloxOptions& options, const std::string& model) {
+    const std::string dealt = onnx_without_focus(model);
+    const std::string& bytes = dealt.empty() ? model : dealt;
+    if (!dealt.empty()) layout_ = yolox::InputLayout::phases;
     provider_ = has_provider(options.provider) ? options.provider : "cpu";
     if (provider_ != "cpu") {
       // What it lacks shows here (a library), when the session is made (a device) or in the first
@@ -100,6 +104,7 @@ class OnnxNetwork : public YoloxNetwork {
 
   std::string name() const override { return "ONNX Runtime, " + provider_; }
   cv::Size input_size() const override { return size_; }
+  yolox::InputLayout layout() const override { return layout_; }
   float* input() override { return input_.data(); }
 
   const float* run() override {
@@ -154,12 +159,16 @@ class OnnxNetwork : public YoloxNetwork {
                   " outputs, not one of each; use an official YOLOX export "
                   "(scripts/fetch_model.sh)");
     }
-    size_ = yolox::check_shapes(model, shape(session_.GetInputTypeInfo(0)),
-                                shape(session_.GetOutputTypeInfo(0)));
+    std::vector<std::int64_t> input_shape = shape(session_.GetInputTypeInfo(0));
+    std::vector<std::int64_t> image_shape = input_shape;
+    if (layout_ == yolox::InputLayout::phases) {
+      image_shape = {1, 3, 2 * input_shape.at(2), 2 * input_shape.at(3)};
+    }
+    size_ = yolox::check_shapes(model, image_shape, shape(session_.GetOutputTypeInfo(0)));
+    input_shape[0] = 1;
     Ort::AllocatorWithDefaultOptions allocator;
     input_name_ = session_.GetInputNameAllocated(0, allocator).get();
     output_name_ = session_.GetOutputNameAllocated(0, allocator).get();
-    const std::array<std::int64_t, 4> input_shape{1, 3, size_.height, size_.width};
     const std::array<std::int64_t, 3> output_shape{1, yolox::row_count(size_), yolox::row_length};
     input_.assign(3 * static_cast<std::size_t>(size_.area()), yolox::padding);
     output_.assign(static_cast<std::size_t>(output_shape[1] * output_shape[2]), 0.0F);
@@ -173,6 +182,7 @@ class OnnxNetwork : public YoloxNetwork {
   Ort::Session session_{nullptr};
   std::string provider_, input_name_, output_name_;
   cv::Size size_;
+  yolox::InputLayout layout_ = yolox::InputLayout::planes;
   std::vector<float> input_, output_;
   Ort::Value input_tensor_{nullptr}, output_tensor_{nullptr};
 };
