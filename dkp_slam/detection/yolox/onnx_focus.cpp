@@ -158,31 +158,22 @@ class Focus {
 
 std::string onnx_without_focus(std::string_view file) {
   const std::string_view graph = child(file, onnx::model_graph);
-  const std::vector<std::string_view> inputs = onnx::image_inputs(graph);
-  if (inputs.size() != 1) return {};
-  const std::vector<std::int64_t> shape = onnx::shape_of(inputs[0]);
+  const std::string_view image = onnx::image_input(graph);
+  const std::vector<std::int64_t> shape = onnx::shape_of(image);
   if (shape.size() != 4 || shape[1] != 3 || shape[2] <= 0 || shape[3] <= 0 || shape[2] % 2 != 0 ||
       shape[3] % 2 != 0) {
     return {};
   }
-  const Focus focus(graph, child(inputs[0], onnx::value_name), {shape[2], shape[3]});
+  const Focus focus(graph, child(image, onnx::value_name), {shape[2], shape[3]});
   if (!focus.found()) return {};
-  std::string changed;
-  for (std::string_view rest = graph; !rest.empty();) {
-    const auto field = protobuf::take_field(rest);
-    if (!field) return {};
-    if (field->number == onnx::graph_value) continue;
-    if (field->number == onnx::graph_node && focus.has(field->bytes)) continue;
-    if (field->number == onnx::graph_input && field->bytes == inputs[0]) {
-      const std::string dealt = onnx::reshaped(field->bytes, {1, 12, shape[2] / 2, shape[3] / 2});
-      changed += protobuf::written(
-          onnx::graph_input,
-          onnx::with(dealt, onnx::value_name, [&](std::string_view) { return focus.joined(); }));
-    } else {
-      changed += protobuf::written(*field);
-    }
-  }
-  return onnx::with(file, onnx::model_graph, [&](std::string_view) { return changed; });
+  return onnx::with_graph(file, [&](const protobuf::Field& field) {
+    if (field.number == onnx::graph_node && focus.has(field.bytes)) return std::string();
+    if (field.number != onnx::graph_input || field.bytes != image) return protobuf::written(field);
+    const std::string dealt = onnx::reshaped(image, {1, 12, shape[2] / 2, shape[3] / 2});
+    return protobuf::written(
+        field.number,
+        onnx::with(dealt, onnx::value_name, [&](std::string_view) { return focus.joined(); }));
+  });
 }
 
 }  // namespace dkp_slam

@@ -7,7 +7,7 @@ namespace dkp_slam::onnx {
 using protobuf::child;
 using protobuf::children;
 
-std::vector<std::string_view> image_inputs(std::string_view graph) {
+std::string_view image_input(std::string_view graph) {
   std::vector<std::string_view> weights;
   for (const std::string_view w : children(graph, graph_weight)) {
     weights.push_back(child(w, weight_name));
@@ -18,7 +18,7 @@ std::vector<std::string_view> image_inputs(std::string_view graph) {
         std::find(weights.begin(), weights.end(), child(input, value_name)) != weights.end();
     if (!weight) inputs.push_back(input);
   }
-  return inputs;
+  return inputs.size() == 1 ? inputs[0] : std::string_view();
 }
 
 std::vector<std::int64_t> shape_of(std::string_view value) {

@@ -22,8 +22,9 @@ constexpr std::uint64_t value_name = 1, value_type = 2;
 constexpr std::uint64_t type_tensor = 1, tensor_shape = 2, shape_dimension = 1;
 constexpr std::uint64_t dimension_value = 1;
 
-/// What goes into the network as an image. Old exports list the weights among the inputs.
-std::vector<std::string_view> image_inputs(std::string_view graph);
+/// The value that goes into the network as an image; empty unless there is exactly one. Old exports
+/// list the weights among the inputs.
+std::string_view image_input(std::string_view graph);
 
 /// Dimensions of a value of the graph (ValueInfoProto); -1 for a free one.
 std::vector<std::int64_t> shape_of(std::string_view value);
@@ -42,6 +43,19 @@ std::string with(std::string_view message, std::uint64_t number, Change change) 
                                    : protobuf::written(*field);
   }
   return out;
+}
+
+/// The model with the fields of its graph as `change` writes them, and without what the file says
+/// of the shapes in between, which the library infers. Empty where the graph is none.
+template <class Change>
+std::string with_graph(std::string_view file, Change change) {
+  std::string graph;
+  for (std::string_view rest = protobuf::child(file, model_graph); !rest.empty();) {
+    const auto field = protobuf::take_field(rest);
+    if (!field) return {};
+    if (field->number != graph_value) graph += change(*field);
+  }
+  return with(file, model_graph, [&](std::string_view) { return graph; });
 }
 
 }  // namespace dkp_slam::onnx

@@ -34,11 +34,6 @@ inline std::string int64_tensor(const std::string& name, const std::vector<std::
   for (std::uint64_t v : values) data += number(7, v);
   return number(1, values.size()) + number(2, 7) + data + bytes(8, name);
 }
-inline std::string integers(const std::string& name, const std::vector<std::uint64_t>& values) {
-  std::string text = bytes(1, name);
-  for (std::uint64_t v : values) text += number(8, v);
-  return bytes(5, text + number(20, 7));
-}
 inline std::string node(const std::string& operation, const std::vector<std::string>& inputs,
                         const std::string& output, const std::string& attributes = {}) {
   std::string text;
@@ -79,36 +74,35 @@ inline std::string model(const std::string& graph) {
   return number(1, 4) + bytes(7, graph) + bytes(8, number(2, 11));
 }
 
-/// As `write_model`, but what is dealt out is laid out in rows, not the image.
-inline void write_focus_model(const std::filesystem::path& file, std::uint64_t side,
-                              std::uint64_t rows, std::uint64_t columns) {
-  std::ofstream(file, std::ios::binary) << model(
-      focus() + node("Reshape", {"dealt", "flat_shape"}, "flat") +
-      node("Slice", {"flat", "first", "last", "side"}, "part") +
-      node("Reshape", {"part", "row_shape"}, "rows") + bytes(2, "tiny") +
-      bytes(5, raw_int64("first", 0)) + bytes(5, raw_int64("last", rows * columns)) +
-      bytes(5, raw_int64("side", 1)) + bytes(5, int64_tensor("flat_shape", {1, 3 * side * side})) +
-      bytes(5, int64_tensor("row_shape", {1, rows, columns})) +
-      bytes(11, value_info("image", {1, 3, side, side})) +
-      bytes(12, value_info("rows", {1, rows, columns})));
+/// Writes a model whose output, of shape [1, rows, columns], is the start of `from` (of 3 x `side`
+/// x `side` numbers), in memory's order: the image (1 x 3 x `side` x `side`), or what `graph`
+/// makes.
+inline void write_rows(const std::filesystem::path& file, const std::string& graph,
+                       const std::string& from, std::uint64_t side, std::uint64_t rows,
+                       std::uint64_t columns) {
+  std::ofstream(file, std::ios::binary)
+      << model(graph + node("Reshape", {from, "flat_shape"}, "flat") +
+               node("Slice", {"flat", "first", "last", "across"}, "part") +
+               node("Reshape", {"part", "row_shape"}, "rows") + bytes(2, "tiny") +
+               bytes(5, raw_int64("first", 0)) + bytes(5, raw_int64("last", rows * columns)) +
+               bytes(5, raw_int64("across", 1)) +
+               bytes(5, int64_tensor("flat_shape", {1, 3 * side * side})) +
+               bytes(5, int64_tensor("row_shape", {1, rows, columns})) +
+               bytes(11, value_info("image", {1, 3, side, side})) +
+               bytes(12, value_info("rows", {1, rows, columns})));
 }
 
-/// A model whose output, of shape [1, rows, columns], is the start of its input (1 x 3 x `side` x
-/// `side`), in memory's order. With 85 columns and YOLOX's number of rows it passes for a YOLOX
-/// whose detections are written in the image.
+/// Its output is the start of its input. With 85 columns and YOLOX's number of rows it passes for a
+/// YOLOX whose detections are written in the image...
 inline void write_model(const std::filesystem::path& file, std::uint64_t side, std::uint64_t rows,
                         std::uint64_t columns) {
-  const std::string graph =
-      node("Reshape", {"image", "flat_shape"}, "flat") +
-      node("Slice", {"flat"}, "part",
-           integers("axes", {1}) + integers("starts", {0}) + integers("ends", {rows * columns})) +
-      node("Reshape", {"part", "row_shape"}, "rows") + bytes(2, "tiny") +
-      bytes(5, int64_tensor("flat_shape", {1, 3 * side * side})) +
-      bytes(5, int64_tensor("row_shape", {1, rows, columns})) +
-      bytes(11, value_info("image", {1, 3, side, side})) +
-      bytes(12, value_info("rows", {1, rows, columns}));
-  std::ofstream(file, std::ios::binary)
-      << number(1, 4) + bytes(7, graph) + bytes(8, number(2, 9));  // IR version 4, operator set 9
+  write_rows(file, {}, "image", side, rows, columns);
+}
+
+/// ... and this for one that deals its image out first.
+inline void write_focus_model(const std::filesystem::path& file, std::uint64_t side,
+                              std::uint64_t rows, std::uint64_t columns) {
+  write_rows(file, focus(), "dealt", side, rows, columns);
 }
 
 }  // namespace dkp_slam::tiny_onnx
