@@ -1,4 +1,4 @@
-#include "dkp_slam/dynamics/motion/coarse_rotation.h"
+#include "dkp_slam/geometry/coarse_rotation.h"
 
 #include <algorithm>
 #include <cmath>
