@@ -41,14 +41,15 @@ class BackgroundModel {
   BackgroundModel(const CoarseGrid& grid, const Camera& camera,
                   const BackgroundOptions& options = {});
 
-  /// Carries the model into the camera frame of the next image.
-  void move(const Se3& current_from_previous);
+  /// Carries the model into the camera frame of the next image, whose rows are of these moments.
+  void move(const Se3& current_from_previous, const RowMotion& rows);
   /// Compares depth (metres, grid size) with the model; CV_8UC1 of `DepthEvidence`.
   cv::Mat compare(const cv::Mat& depth) const;
-  /// Takes in the depth: blends what is consistent, replaces what `evidence` shows to have left,
-  /// and fills unknown cells; cells of `moving` (CV_8UC1) stay as they are unless something left
-  /// there. Cells of `absorb` (CV_8UC1) take the new depth whatever the model says.
-  void update(const cv::Mat& depth, const cv::Mat& evidence, const cv::Mat& moving,
+  /// Takes in the depth of the view that the model was carried to: blends what is consistent,
+  /// replaces what `evidence` shows to have left, and fills unknown cells; cells of `moving`
+  /// (CV_8UC1) stay as they are unless something left there. Cells of `absorb` (CV_8UC1) take the
+  /// new depth whatever the model says.
+  void update(const CoarseView& view, const cv::Mat& evidence, const cv::Mat& moving,
               const cv::Mat& absorb);
   /// Frames in which the cell's point has been seen, 0 without a point.
   int age(int index) const { return cells_[static_cast<std::size_t>(index)].age; }
@@ -56,8 +57,9 @@ class BackgroundModel {
 
  private:
   struct Cell {
-    Eigen::Vector3f point = Eigen::Vector3f::Zero();
+    Eigen::Vector3f point = Eigen::Vector3f::Zero();  // at the middle row's moment
     int age = 0;
+    float depth = 0.0F;  // metres, as the point's row shows it
   };
 
   float tolerance_at(float depth) const;

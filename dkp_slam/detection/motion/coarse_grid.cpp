@@ -7,7 +7,16 @@
 
 namespace dkp_slam {
 
-CoarseGrid::CoarseGrid(const Camera& camera, int columns) : distortion_(camera.distortion) {
+RowMotion::RowMotion(double readout, const Vector6d& velocity)
+    : shift_((readout * velocity.head<3>()).cast<float>()),
+      turn_((readout * velocity.tail<3>()).cast<float>()) {}
+
+CoarseGrid::CoarseGrid(const Camera& camera, int columns)
+    : k1_(static_cast<float>(camera.distortion.k1)),
+      k2_(static_cast<float>(camera.distortion.k2)),
+      k3_(static_cast<float>(camera.distortion.k3)),
+      p1_(static_cast<float>(camera.distortion.p1)),
+      p2_(static_cast<float>(camera.distortion.p2)) {
   step_ = std::max(1, static_cast<int>(std::lround(camera.width / static_cast<double>(columns))));
   size_ = {camera.width / step_, camera.height / step_};
   const auto step = static_cast<float>(step_);
@@ -48,19 +57,6 @@ CoarseView CoarseGrid::view(const cv::Mat& grey, const cv::Mat& depth) const {
     }
   }
   return view;
-}
-
-cv::Point2f CoarseGrid::project(const Eigen::Vector3f& point) const {
-  const float x = point.x() / point.z(), y = point.y() / point.z();
-  if (distortion_.none()) return {fx_ * x + cx_, fy_ * y + cy_};
-  const auto k1 = static_cast<float>(distortion_.k1), k2 = static_cast<float>(distortion_.k2);
-  const auto k3 = static_cast<float>(distortion_.k3);
-  const auto p1 = static_cast<float>(distortion_.p1), p2 = static_cast<float>(distortion_.p2);
-  const float r2 = x * x + y * y;
-  const float radial = 1.0F + r2 * (k1 + r2 * (k2 + r2 * k3));
-  const float xd = x * radial + 2.0F * p1 * x * y + p2 * (r2 + 2.0F * x * x);
-  const float yd = y * radial + p1 * (r2 + 2.0F * y * y) + 2.0F * p2 * x * y;
-  return {fx_ * xd + cx_, fy_ * yd + cy_};
 }
 
 }  // namespace dkp_slam

@@ -79,20 +79,23 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
   check(frame);
   cv::Mat grey;
   cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
-  const CoarseView view = grid_.view(grey, frame.depth);
+  CoarseView view = grid_.view(grey, frame.depth);
   const double seconds = past_.empty() ? 0.0 : frame.timestamp - past_.back().timestamp;
-  const EgoMotion motion = ego_.update(grey, frame.depth, trust());
+  const EgoMotion motion = ego_.update(grey, frame.depth, trust(), seconds);
   if (seconds <= 0.0 || seconds > options_.max_gap) {
     restart();
   } else if (!motion.valid) {
     go_on_without_motion(view);
+  } else {
+    view.rows = RowMotion(camera_.readout, motion.velocity);
+    past_.back().view.rows = RowMotion(camera_.readout, motion.previous_velocity);
   }
   find_planes(frame, motion.current_from_previous);
 
   const cv::Mat none = cv::Mat::zeros(grid_.size(), CV_8UC1);
   if (past_.empty()) {
     moving_ = grow_motion(log_odds_, view.depth, grid_, options_.regions);
-    background_.update(view.depth, none, moving_, none);
+    background_.update(view, none, moving_, none);
     past_.push_back({frame.timestamp, view, Se3()});
     return found(frame.colour.size());
   }
@@ -100,17 +103,16 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
     past.current_from_past = motion.current_from_previous * past.current_from_past;
   }
   const Past& partner = flow_partner(frame.timestamp);
-  const MotionEvidence evidence =
-      evidence_.find(view, partner.view, partner.current_from_past.inverse());
+  const MotionEvidence evidence = find_evidence(view, partner);
   carry(view, evidence.flow, static_cast<float>(seconds / (frame.timestamp - partner.timestamp)),
         seconds);
-  background_.move(motion.current_from_previous);
+  background_.move(motion.current_from_previous, view.rows);
   const cv::Mat depth_evidence = background_.compare(view.depth);
   gather(view, depth_evidence, evidence, seconds);
   moving_ = grow_motion(log_odds_, view.depth, grid_, options_.regions);
 
   const cv::Mat absorb = standing_ > options_.absorb_after;
-  background_.update(view.depth, depth_evidence, moving_, absorb);
+  background_.update(view, depth_evidence, moving_, absorb);
   standing_.setTo(0.0, absorb);
   log_odds_.setTo(-1.0, absorb);
   past_.push_back({frame.timestamp, view, Se3()});
@@ -118,6 +120,14 @@ std::vector<Detection> MotionDetector::detect(const RgbdFrame& frame) {
     past_.pop_front();
   }
   return found(frame.colour.size());
+}
+
+MotionEvidence MotionDetector::find_evidence(const CoarseView& view, const Past& partner) const {
+  MotionEvidence evidence = evidence_.find(view, partner.view, partner.current_from_past.inverse());
+  const Past& newest = past_.back();
+  if (&partner != &newest)
+    evidence_.add_newer(view, newest.view, newest.current_from_past.inverse(), evidence);
+  return evidence;
 }
 
 void MotionDetector::find_planes(const RgbdFrame& frame, const Se3& current_from_previous) {

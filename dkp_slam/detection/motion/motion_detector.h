@@ -35,7 +35,7 @@ struct MotionDetectorOptions {
   double max_gap = 0.5;  ///< seconds between frames after which everything starts anew
   /// Log-odds of motion that one frame adds or takes, at 30 Hz.
   float came_gain = 1.0F;    ///< the point is where free space was seen
-  float moving_gain = 0.8F;  ///< flow disagrees with the camera's motion
+  float moving_gain = 1.6F;  ///< flow disagrees with the camera's motion
   float static_gain = 0.4F;  ///< flow agrees with it, in texture
   float same_gain = 0.1F;    ///< depth alone agrees
   /// Share of the depth by which a cell may differ from the one that its evidence comes from.
@@ -97,6 +97,7 @@ class MotionDetector : public Detector {
   const Past& flow_partner(double timestamp) const;
   /// How much each cell of the last frame says about the camera's motion, 0 to 1.
   cv::Mat trust() const;
+  MotionEvidence find_evidence(const CoarseView& view, const Past& partner) const;
   void find_planes(const RgbdFrame& frame, const Se3& current_from_previous);
   void carry(const CoarseView& view, const cv::Mat& flow, float share, double seconds);
   void gather(const CoarseView& view, const cv::Mat& depth_evidence, const MotionEvidence& motion,

@@ -11,7 +11,7 @@ void EgoMotionOptions::describe(OptionList& list) {
   list.add("inlier_pixels", inlier_pixels, above(0), "pixels",
            "by which a static point may miss its predicted place");
   list.add("min_inlier_share", min_inlier_share, between(0, 1), "",
-           "below it RANSAC looks for another motion");
+           "below it another start than the expected motion is tried");
   list.add("usual_shift", usual_shift, above(0), "metres",
            "change of the camera's motion from frame to frame");
   list.add("usual_turn", usual_turn, above(0), "radians",

@@ -7,10 +7,10 @@
 
 #include <opencv2/core.hpp>
 
-#include "dkp_slam/geometry/coarse_rotation.h"
 #include "dkp_slam/dynamics/motion/flow.h"
 #include "dkp_slam/dynamics/motion/motion_check.h"
 #include "dkp_slam/geometry/camera.h"
+#include "dkp_slam/geometry/coarse_rotation.h"
 
 namespace dkp_slam {
 
