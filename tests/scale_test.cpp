@@ -45,8 +45,8 @@ Errors errors_in(const Recording& room) {
 TEST(Scale, ErrorsStayAtOtherSizesAndRates) {
   const Errors usual = errors_in(walk_seen_by(640, 480, 30.0));
   const Errors small = errors_in(walk_seen_by(320, 240, 15.0));
-  // Measured: 0.0030 and 0.0012 m, 0.0044 and 0.0027, 0.0020 and 0.0014. With a fourth of the pixels
-  // at half the rate what moves is found as well as if it had been told.
+  // Measured: 0.0030 and 0.0012 m, 0.0044 and 0.0027, 0.0020 and 0.0014. With a fourth of the
+  // pixels at half the rate what moves is found as well as if it had been told.
   EXPECT_LT(small.exact_boxes, 2.0 * usual.exact_boxes);
   EXPECT_LT(small.motion, 1.5 * usual.exact_boxes);
   const Errors large = errors_in(walk_seen_by(1280, 720, 30.0));

@@ -98,7 +98,7 @@ void EgoMotionEstimator::expect(double seconds) {
 
 // What few points agreed on may have been people's motion, and must not become the expected one.
 double EgoMotionEstimator::doubt() const {
-  constexpr double nothing_known = 3.0;  // a hand may be at 1 m/s and .5 rad/s
+  constexpr double nothing_known = 6.0;  // a hand may be at 2 m/s and 1 rad/s
   if (last_seconds_ <= 0.0) return nothing_known;
   constexpr double most = 3.0;
   const double few = options_.min_inlier_share / std::max(0.01, last_share_);
