@@ -17,6 +17,7 @@ namespace {
 
 const cv::Size window(11, 11);
 constexpr int pyramid_levels = 3;
+constexpr double nearest = 0.1;  // metres before the camera; what is nearer is not seen
 
 /// Depth around a full-size pixel, or 0 where it is unknown or jumps: a corner on an object's edge
 /// may belong to either side.
@@ -93,7 +94,6 @@ void EgoMotionEstimator::expect(double seconds) {
   if (turn_) turn_ = turn_->conjugate();
   if (last_seconds_ == 0.0) last_velocity_.setZero();
   expected_ = Se3::exp(last_velocity_ * std::min(seconds_, frames_ahead * last_seconds_));
-  doubt_ = doubt();
 }
 
 // What few points agreed on may have been people's motion, and must not become the expected one.
@@ -241,10 +241,18 @@ Se3 EgoMotionEstimator::settle(const std::vector<Match>& matches, Se3 start, dou
 }
 
 Vector6d EgoMotionEstimator::usual_change() const {
+  const double times = doubt();
   Vector6d change;
-  change << Eigen::Vector3d::Constant(doubt_ * options_.usual_shift),
-      Eigen::Vector3d::Constant(doubt_ * options_.usual_turn);
+  change << Eigen::Vector3d::Constant(times * options_.usual_shift),
+      Eigen::Vector3d::Constant(times * options_.usual_turn);
   return change;
+}
+
+double EgoMotionEstimator::squared_miss(const Match& match, const Se3& motion,
+                                        const Vector6d& tangent) const {
+  const Eigen::Vector3d p = motion_of(match, motion, tangent) * match.point;
+  if (p.z() < nearest) return std::numeric_limits<double>::max();
+  return (camera_.project(p) - match.pixel).squaredNorm();
 }
 
 double EgoMotionEstimator::cost(const std::vector<Match>& matches, const Se3& motion) const {
@@ -253,12 +261,7 @@ double EgoMotionEstimator::cost(const std::vector<Match>& matches, const Se3& mo
   const Vector6d change = (motion * expected_.inverse()).log().cwiseQuotient(usual_change());
   double cost = change.squaredNorm() / (scale * scale);
   for (const Match& m : matches) {
-    const Eigen::Vector3d p = motion_of(m, motion, tangent) * m.point;
-    if (p.z() < 0.1) {
-      cost += m.weight;
-      continue;
-    }
-    const double relative = (camera_.project(p) - m.pixel).squaredNorm() / (scale * scale);
+    const double relative = squared_miss(m, motion, tangent) / (scale * scale);
     cost += m.weight * relative / (1.0 + relative);  // Geman-McClure
   }
   return cost;
@@ -274,7 +277,7 @@ Se3 EgoMotionEstimator::refine(const std::vector<Match>& matches, const Se3& sta
     Vector6d gradient = Vector6d::Zero();
     for (const Match& m : matches) {
       const Eigen::Vector3d p = motion_of(m, motion, tangent) * m.point;
-      if (p.z() < 0.1) continue;
+      if (p.z() < nearest) continue;
       const Eigen::Vector2d error = camera_.project(p) - m.pixel;
       const double relative = error.squaredNorm() / (scale * scale);
       const double weight = m.weight / ((1.0 + relative) * (1.0 + relative));  // Geman-McClure
@@ -303,11 +306,8 @@ double EgoMotionEstimator::inlier_share(const std::vector<Match>& matches,
   const Vector6d tangent = motion.log();
   double inliers = 0.0, all = 0.0;
   for (const Match& m : matches) {
-    const Eigen::Vector3d p = motion_of(m, motion, tangent) * m.point;
     all += m.weight;
-    if (p.z() > 0.1 && (camera_.project(p) - m.pixel).norm() < options_.inlier_pixels) {
-      inliers += m.weight;
-    }
+    if (std::sqrt(squared_miss(m, motion, tangent)) < options_.inlier_pixels) inliers += m.weight;
   }
   return all > 0.0 ? inliers / all : 0.0;
 }

@@ -74,6 +74,7 @@ class EgoMotionEstimator {
   };
 
   void expect(double seconds);
+  /// How much less sure the expected motion is than it usually is from frame to frame.
   double doubt() const;
   /// Gives the motion its velocities, and is what the next one continues.
   void go_on_from(EgoMotion& motion);
@@ -89,6 +90,9 @@ class EgoMotionEstimator {
              int iterations) const;
   /// Sigmas by which a motion differs from the expected one (metres, radians).
   Vector6d usual_change() const;
+  /// Pixels; the largest number there is for a point that would be behind the camera. `tangent`: of
+  /// the motion.
+  double squared_miss(const Match& match, const Se3& motion, const Vector6d& tangent) const;
   /// Minus the log of how likely a motion is, in points that do not agree.
   double cost(const std::vector<Match>& matches, const Se3& motion) const;
   double inlier_share(const std::vector<Match>& matches, const Se3& motion) const;
@@ -106,7 +110,6 @@ class EgoMotionEstimator {
   Vector6d last_velocity_ = Vector6d::Zero();  // per second
   Se3 expected_;                               // what continues it
   double last_share_ = 1.0;                    // of inliers, of the motion found last
-  double doubt_ = 1.0;  // how much less sure the expected motion is than from frame to frame
 };
 
 }  // namespace dkp_slam

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/detection/motion/test_camera.h"
 #include "dkp_slam/geometry/rolling_shutter.h"
 
 namespace dkp_slam {
@@ -17,13 +18,7 @@ constexpr double frame_seconds = 1.0 / 30.0;
 constexpr double degree = std::numbers::pi / 180.0;
 
 Camera rolling_camera() {
-  Camera camera;
-  camera.name = "test";
-  camera.width = 320;
-  camera.height = 240;
-  camera.fx = camera.fy = 260.0;
-  camera.cx = 159.5;
-  camera.cy = 119.5;
+  Camera camera = test_camera();
   camera.readout = 0.03;
   return camera;
 }

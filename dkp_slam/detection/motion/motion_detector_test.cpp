@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "dkp_slam/detection/motion/test_camera.h"
 #include "dkp_slam/error.h"
 #include "dkp_slam/sensor/camera_config.h"
 #include "dkp_slam/sensor/tum_source.h"
@@ -16,17 +17,6 @@
 
 namespace dkp_slam {
 namespace {
-
-Camera test_camera() {
-  Camera camera;
-  camera.name = "test";
-  camera.width = 320;
-  camera.height = 240;
-  camera.fx = camera.fy = 260.0;
-  camera.cx = 159.5;
-  camera.cy = 119.5;
-  return camera;
-}
 
 /// A smooth random pattern, fixed to the surface: grey at a place given in metres.
 class Texture {

@@ -179,14 +179,12 @@ MotionEvidence MotionEvidenceFinder::find(const CoarseView& current, const Coars
 void MotionEvidenceFinder::add_newer(const CoarseView& current, const CoarseView& newer,
                                      const Se3& newer_from_current,
                                      MotionEvidence& evidence) const {
-  cv::Mat asked =
+  const cv::Mat asked =
       evidence.unseen & (evidence.vote == 0) & (evidence.texture > options_.min_texture);
-  cv::Mat within = cv::Mat::zeros(asked.size(), CV_8UC1);
-  within(inside_) = 255;
-  asked &= within;
-  if (cv::countNonZero(asked) < least_asked) return;
+  const cv::Mat within = asked(inside_);
+  if (cv::countNonZero(within) < least_asked) return;
   constexpr int around = 16;  // cells, from which flow may come
-  const cv::Rect least = cv::boundingRect(asked);
+  const cv::Rect least = cv::boundingRect(within) + inside_.tl();
   const cv::Rect part =
       cv::Rect(least.tl() - cv::Point(around, around), least.br() + cv::Point(around, around)) &
       cv::Rect({}, asked.size());
