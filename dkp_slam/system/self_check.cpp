@@ -34,6 +34,8 @@ constexpr std::size_t least_group = 20;
 /// A group's own pose is looked for this far from that of all, metres and radians: few landmarks in
 /// a corner of the view would go anywhere.
 constexpr double most_apart = 0.05;
+/// A keyframe hands on no more, metres and radians: who sees only what it made is placed by that.
+constexpr double most_doubt = 0.1;
 /// 99 % of the chi-square distribution of six degrees of freedom.
 constexpr double agreement_chi2 = 16.8;
 /// Groups that disagreed have to agree for so long, seconds, before that is believed: a small group
@@ -58,12 +60,19 @@ double depth_of(const Se3& camera_from_world, const PoseObservation& observation
   return (camera_from_world * observation.landmark).z();
 }
 
-/// Along the optical axis, metres.
+/// Along the optical axis, metres; of no landmarks 0.
 double mean_distance(const Se3& camera_from_world,
                      const std::vector<PoseObservation>& observations) {
   double sum = 0.0;
   for (const PoseObservation& o : observations) sum += depth_of(camera_from_world, o);
-  return sum / static_cast<double>(observations.size());
+  return sum / std::max(1.0, static_cast<double>(observations.size()));
+}
+
+/// Standard deviation in the worst direction.
+double worst_sigma(const Eigen::Matrix3d& covariance) {
+  if (!covariance.allFinite()) return std::numeric_limits<double>::infinity();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(axes.eigenvalues().maxCoeff());
 }
 
 /// Where some of the landmarks take the camera to be: off the pose of all, and how sure.
@@ -90,12 +99,7 @@ Matrix6d PoseQuality::unknown() {
   return isotropic(infinity, infinity);
 }
 
-double PoseQuality::position_sigma() const {
-  const Eigen::Matrix3d position = covariance.topLeftCorner<3, 3>();
-  if (!position.allFinite()) return std::numeric_limits<double>::infinity();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(position, Eigen::EigenvaluesOnly);
-  return std::sqrt(axes.eigenvalues().maxCoeff());
-}
+double PoseQuality::position_sigma() const { return worst_sigma(covariance.topLeftCorner<3, 3>()); }
 
 PoseQuality SelfCheck::check(const Frame& frame, bool localised, int tracked,
                              const FrameDynamics& dynamics) {
@@ -111,9 +115,12 @@ PoseQuality SelfCheck::check(const Frame& frame, bool localised, int tracked,
     const Doubt inherited = inherited_doubt(frame);
     const Doubt doubt{std::max(contest_.way, inherited.way),
                       std::max(contest_.angle, inherited.angle)};
-    doubts_.resize(static_cast<std::size_t>(map_.keyframe_ids()), doubt);
-    last_ = covariance(frame.camera_from_world, observations, quality.people_share) +
-            isotropic(doubt.way * doubt.way, doubt.angle * doubt.angle);
+    const Matrix6d believed = measurement_covariance(frame.camera_from_world, observations) +
+                              isotropic(doubt.way * doubt.way, doubt.angle * doubt.angle);
+    doubts_.resize(static_cast<std::size_t>(map_.keyframe_ids()), handed_on(believed));
+    last_ = believed +
+            common_error(map_.camera(), mean_distance(frame.camera_from_world, observations)) /
+                (1.0 - std::min(quality.people_share, most_hidden));
   }
   quality.since_map_seen = frame.timestamp - map_seen_;
   if (!localised) return quality;
@@ -138,16 +145,14 @@ std::vector<PoseObservation> SelfCheck::evidence(const Frame& frame) const {
   return seen.empty() ? made : seen;  // the first of a map has no others
 }
 
-Matrix6d SelfCheck::covariance(const Se3& camera_from_world,
-                               const std::vector<PoseObservation>& observations,
-                               double hidden) const {
+/// What the noise of pixels and depths leaves open.
+Matrix6d SelfCheck::measurement_covariance(const Se3& camera_from_world,
+                                           const std::vector<PoseObservation>& observations) const {
   if (observations.size() < 3) return PoseQuality::unknown();
-  const Matrix6d information =
-      pose_information(map_.camera(), model_, camera_from_world, observations);
   const Matrix6d covariance =
-      information.ldlt().solve(Matrix6d::Identity()) +
-      common_error(map_.camera(), mean_distance(camera_from_world, observations)) /
-          (1.0 - std::min(hidden, most_hidden));
+      pose_information(map_.camera(), model_, camera_from_world, observations)
+          .ldlt()
+          .solve(Matrix6d::Identity());
   // Of landmarks on a line without depth some motions cannot be told at all.
   return covariance.allFinite() ? covariance : PoseQuality::unknown();
 }
@@ -180,19 +185,28 @@ void SelfCheck::compare_groups(const Frame& frame,
   contest_ = {std::max(contest_.way, way), std::max(contest_.angle, angle)};
 }
 
-/// A pose is known no better than the keyframes that made its landmarks, a third of them or more.
+/// What a frame hands on to the landmarks that it makes: where it may be wrong relative to those it
+/// saw, they are as well. Errors common to all landmarks are in both alike, and are no news.
+SelfCheck::Doubt SelfCheck::handed_on(const Matrix6d& believed) {
+  return {std::min(worst_sigma(believed.topLeftCorner<3, 3>()), most_doubt),
+          std::min(worst_sigma(believed.bottomRightCorner<3, 3>()), most_doubt)};
+}
+
+/// A pose is known no better than the keyframes that made its landmarks. It weighs these alike,
+/// and those of one keyframe are off together: the mean over landmarks is what it may be off.
 SelfCheck::Doubt SelfCheck::inherited_doubt(const Frame& frame) const {
-  std::vector<Doubt> doubts;
+  Doubt mean;
+  double landmarks = 0.0;
   for (const int l : frame.landmark) {
     if (l < 0 || !map_.has_landmark(l)) continue;
     const auto k = static_cast<std::size_t>(map_.landmark(l).first_keyframe);
-    if (k < doubts_.size()) doubts.push_back(doubts_[k]);  // made by others than this frame
+    if (k >= doubts_.size()) continue;  // this frame has made it
+    mean.way += doubts_[k].way;
+    mean.angle += doubts_[k].angle;
+    landmarks += 1.0;
   }
-  if (doubts.empty()) return {};
-  const auto third = doubts.begin() + static_cast<std::ptrdiff_t>(doubts.size() / 3);
-  std::nth_element(doubts.begin(), third, doubts.end(),
-                   [](const Doubt& a, const Doubt& b) { return a.way < b.way; });
-  return *third;
+  if (landmarks == 0.0) return {};
+  return {mean.way / landmarks, mean.angle / landmarks};
 }
 
 }  // namespace dkp_slam

@@ -27,10 +27,11 @@ class SelfCheck {
   };
 
   std::vector<PoseObservation> evidence(const Frame& frame) const;
-  Matrix6d covariance(const Se3& camera_from_world,
-                      const std::vector<PoseObservation>& observations, double hidden) const;
+  Matrix6d measurement_covariance(const Se3& camera_from_world,
+                                  const std::vector<PoseObservation>& observations) const;
   void compare_groups(const Frame& frame, const std::vector<PoseObservation>& observations);
   Doubt inherited_doubt(const Frame& frame) const;
+  static Doubt handed_on(const Matrix6d& believed);
 
   const Map& map_;
   const MeasurementModel model_;
@@ -38,7 +39,7 @@ class SelfCheck {
   Matrix6d last_ = PoseQuality::unknown();  ///< where the map was last seen
   Doubt contest_;                           ///< near and far do not agree where the camera is
   double contested_ = 0.0;                  ///< timestamp of the last such frame
-  std::vector<Doubt> doubts_;               ///< by keyframe id: that it was made under
+  std::vector<Doubt> doubts_;               ///< by keyframe id: what it hands on
 };
 
 }  // namespace dkp_slam
