@@ -18,9 +18,11 @@ struct Keyframe {
   FrameFeatures features;
   std::vector<int> landmarks;    ///< per feature, -1 for none
   std::map<int, int> covisible;  ///< keyframe -> number of landmarks both see
-  int parent = -1;               ///< the keyframe it shared most landmarks with when added
-  bool removed = false;          ///< then only its pose, relative to its parent, is left
-  Se3 self_from_parent;          ///< valid once removed
+  /// The keyframe it shared most landmarks with when added; without any, the one that the measured
+  /// motion led there from. -1 for a map's first.
+  int parent = -1;
+  bool removed = false;  ///< then only its pose, relative to its parent, is left
+  Se3 self_from_parent;  ///< valid once removed
 };
 
 }  // namespace dkp_slam

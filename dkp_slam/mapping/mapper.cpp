@@ -35,6 +35,7 @@ int Mapper::insert_keyframe(Frame& frame) {
   keyframe.frame_index = frame.index;
   keyframe.timestamp = frame.timestamp;
   keyframe.camera_from_world = frame.camera_from_world;
+  const int reference = frame.reference_keyframe;
   keyframe.features = frame.features.subset(frame.is_static);
   resolve_landmarks(map_, frame);
   std::vector<int> feature_of_frame;  // of the keyframe's features
@@ -51,6 +52,11 @@ int Mapper::insert_keyframe(Frame& frame) {
   cull_landmarks(id);
   fuse_with_neighbours(map_, model_, id);
   map_.update_covisibility(id);
+  // A frame that was carried shares nothing with its map; the motion that led there links it.
+  Keyframe& made = map_.keyframe(id);
+  if (made.parent < 0 && reference >= 0 && map_.keyframe(reference).map == made.map) {
+    made.parent = reference;
+  }
   cull_keyframes(id);
   places_.add_keyframe(map_, id);
   return id;

@@ -83,6 +83,19 @@ TEST_F(Mapping, TrackedLandmarksGetASightingAndNewPlacesALandmark) {
   EXPECT_EQ(map.keyframe(1).parent, 0);
 }
 
+TEST_F(Mapping, AKeyframeThatSharesNothingIsLinkedToTheOneItWasCarriedFrom) {
+  insert_two();
+  Frame carried = world.frame_at(pose(0.2, 0.0, 0.0), points);
+  carried.reference_keyframe = 1;
+  EXPECT_TRUE(map.keyframe(insert(carried)).covisible.empty());
+  EXPECT_EQ(map.keyframe(2).parent, 1);
+  // Another map has nothing to do with it.
+  map.start_map();
+  Frame elsewhere = world.frame_at({}, points);
+  elsewhere.reference_keyframe = 2;
+  EXPECT_EQ(map.keyframe(insert(elsewhere)).parent, -1);
+}
+
 TEST_F(Mapping, LandmarksMadeTwiceAreFused) {
   Frame first = tracked_at({}, 0);
   world.add_keyframe(map, first, points);

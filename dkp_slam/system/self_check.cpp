@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -48,6 +49,12 @@ Matrix6d isotropic(double position, double orientation) {
   covariance.diagonal().head<3>().setConstant(position);
   covariance.diagonal().tail<3>().setConstant(orientation);
   return covariance;
+}
+
+/// What a motion measured for so long, seconds, is off.
+Matrix6d drifted(double seconds) {
+  const double off = drift * seconds;
+  return isotropic(off * off, off * off);
 }
 
 /// What all landmarks of a view at this distance, metres, are off together.
@@ -109,28 +116,28 @@ PoseQuality SelfCheck::check(const Frame& frame, bool localised, int tracked,
         cv::countNonZero(dynamics.mask) / static_cast<double>(dynamics.mask.total());
   }
   if (localised && tracked > 0) {
-    map_seen_ = frame.timestamp;
-    const std::vector<PoseObservation> observations = evidence(frame);
+    const auto [observations, of_others] = evidence(frame);
     compare_groups(frame, observations);
-    const Doubt inherited = inherited_doubt(frame);
+    const Doubt inherited = of_others ? inherited_doubt(frame) : carried_doubt(frame);
     const Doubt doubt{std::max(contest_.way, inherited.way),
                       std::max(contest_.angle, inherited.angle)};
-    const Matrix6d believed = measurement_covariance(frame.camera_from_world, observations) +
-                              isotropic(doubt.way * doubt.way, doubt.angle * doubt.angle);
-    doubts_.resize(static_cast<std::size_t>(map_.keyframe_ids()), handed_on(believed));
-    last_ = believed +
+    believed_ = measurement_covariance(frame.camera_from_world, observations) +
+                isotropic(doubt.way * doubt.way, doubt.angle * doubt.angle);
+    doubts_.resize(static_cast<std::size_t>(map_.keyframe_ids()), handed_on(believed_));
+    map_seen_ = frame.timestamp;
+    map_placed_in_ = map_.keyframe(frame.reference_keyframe).map;
+    last_ = believed_ +
             common_error(map_.camera(), mean_distance(frame.camera_from_world, observations)) /
                 (1.0 - std::min(quality.people_share, most_hidden));
   }
   quality.since_map_seen = frame.timestamp - map_seen_;
   if (!localised) return quality;
-  const double drifted = drift * quality.since_map_seen;
-  quality.covariance = last_ + isotropic(drifted * drifted, drifted * drifted);
+  quality.covariance = last_ + drifted(quality.since_map_seen);
   return quality;
 }
 
 /// What the frame saw of the map. Landmarks that it has just made itself agree with it anyhow.
-std::vector<PoseObservation> SelfCheck::evidence(const Frame& frame) const {
+SelfCheck::Evidence SelfCheck::evidence(const Frame& frame) const {
   std::vector<PoseObservation> seen, made;
   const int own = doubts_.size() < static_cast<std::size_t>(map_.keyframe_ids())
                       ? frame.reference_keyframe
@@ -142,7 +149,8 @@ std::vector<PoseObservation> SelfCheck::evidence(const Frame& frame) const {
     (landmark.first_keyframe == own ? made : seen)
         .push_back({landmark.position, observation_of(frame.features, i, map_, model_)});
   }
-  return seen.empty() ? made : seen;  // the first of a map has no others
+  const bool of_others = !seen.empty();  // the first of a map has none, nor one that was carried
+  return {of_others ? std::move(seen) : std::move(made), of_others};
 }
 
 /// What the noise of pixels and depths leaves open.
@@ -190,6 +198,13 @@ void SelfCheck::compare_groups(const Frame& frame,
 SelfCheck::Doubt SelfCheck::handed_on(const Matrix6d& believed) {
   return {std::min(worst_sigma(believed.topLeftCorner<3, 3>()), most_doubt),
           std::min(worst_sigma(believed.bottomRightCorner<3, 3>()), most_doubt)};
+}
+
+/// Of a keyframe that sees nothing of the map: where it was carried to, if it goes on with that
+/// map.
+SelfCheck::Doubt SelfCheck::carried_doubt(const Frame& frame) const {
+  if (map_.keyframe(frame.reference_keyframe).map != map_placed_in_) return {};
+  return handed_on(believed_ + drifted(frame.timestamp - map_seen_));
 }
 
 /// A pose is known no better than the keyframes that made its landmarks. It weighs these alike,

@@ -26,20 +26,27 @@ class SelfCheck {
     double way = 0.0, angle = 0.0;  ///< metres, radians
   };
 
-  std::vector<PoseObservation> evidence(const Frame& frame) const;
+  struct Evidence {
+    std::vector<PoseObservation> observations;
+    bool of_others;  ///< of landmarks that the frame has not made itself
+  };
+  Evidence evidence(const Frame& frame) const;
   Matrix6d measurement_covariance(const Se3& camera_from_world,
                                   const std::vector<PoseObservation>& observations) const;
   void compare_groups(const Frame& frame, const std::vector<PoseObservation>& observations);
   Doubt inherited_doubt(const Frame& frame) const;
+  Doubt carried_doubt(const Frame& frame) const;
   static Doubt handed_on(const Matrix6d& believed);
 
   const Map& map_;
   const MeasurementModel model_;
   double map_seen_ = -std::numeric_limits<double>::infinity();
-  Matrix6d last_ = PoseQuality::unknown();  ///< where the map was last seen
-  Doubt contest_;                           ///< near and far do not agree where the camera is
-  double contested_ = 0.0;                  ///< timestamp of the last such frame
-  std::vector<Doubt> doubts_;               ///< by keyframe id: what it hands on
+  int map_placed_in_ = -1;                      ///< the last frame that saw a map
+  Matrix6d believed_ = PoseQuality::unknown();  ///< where it was seen, but for common errors
+  Matrix6d last_ = PoseQuality::unknown();      ///< and with them
+  Doubt contest_;                               ///< near and far do not agree where the camera is
+  double contested_ = 0.0;                      ///< timestamp of the last such frame
+  std::vector<Doubt> doubts_;                   ///< by keyframe id: what it hands on
 };
 
 }  // namespace dkp_slam

@@ -76,7 +76,16 @@ class HandedOn : public ::testing::Test {
     Vector6d variances;
     variances << Eigen::Vector3d::Constant(expected.way * expected.way),
         Eigen::Vector3d::Constant(expected.angle * expected.angle);
-    EXPECT_LT((doubt - Matrix6d(variances.asDiagonal())).norm(), 1e-6 * variances.norm());
+    EXPECT_LT((doubt - Matrix6d(variances.asDiagonal())).norm(), 1e-6 * variances.norm() + 1e-12);
+  }
+
+  /// A keyframe so long after the others that sees none of their landmarks.
+  Frame carried(double seconds) {
+    std::vector<int> shown;
+    Frame frame = world_.frame_at({}, shown);
+    frame.timestamp = seconds;
+    world_.add_keyframe(map_, frame, shown);
+    return frame;
   }
 
   static constexpr std::size_t few = 8;
@@ -104,6 +113,18 @@ TEST_F(HandedOn, LessSoWhereHalfAreOfTheFirst) {
   }
   expect_doubt(
       frame, {0.5 * (by_first_.way + by_second_.way), 0.5 * (by_first_.angle + by_second_.angle)});
+}
+
+TEST_F(HandedOn, WhatACarriedKeyframeMakesIsAsDoubtfulAsTheWayThere) {
+  constexpr double seconds = 0.4, drift = 0.15;  // m/s and rad/s
+  const Frame frame = carried(seconds);
+  const double off = drift * seconds;
+  expect_doubt(frame, {std::hypot(by_second_.way, off), std::hypot(by_second_.angle, off)});
+}
+
+TEST_F(HandedOn, AnotherMapIsDoubtedByNothing) {
+  map_.start_map();
+  expect_doubt(carried(0.4), {});
 }
 
 TEST_F(HandedOn, OfOneLandmarkNothingIsKnown) {

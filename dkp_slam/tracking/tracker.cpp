@@ -44,7 +44,7 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
     return localize_only_ ? TrackingResult() : initialize(frame);
   }
   if (!localize(frame)) {
-    if (goes_on_elsewhere(frame)) return go_on_in_another_map(frame);
+    if (shows_unmapped_room(frame)) return go_on_in_another_map(frame);
     if (state_ == TrackingState::tracking) spdlog::warn("frame {}: lost", frame.index);
     state_ = TrackingState::lost;
     motion_time_ = 0.0;
@@ -55,15 +55,20 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
   if (tracked_landmarks_ > 0) map_time_ = frame.timestamp;
   most_tracked_ = std::max(most_tracked_, tracked_landmarks_);
   assert(has_each_landmark_once(map_, frame));
-  return {true, tracked_landmarks_ > 0 && keyframe_is_due(frame, adjusting)};
+  const bool due =
+      tracked_landmarks_ > 0 ? keyframe_is_due(frame, adjusting) : goes_on_unmapped(frame);
+  return {true, due};
 }
 
 TrackedPose Tracker::settle(const Frame& frame, bool became_keyframe) {
   if (became_keyframe) {
     keyframe_time_ = frame.timestamp;
     most_tracked_ = 0;
-    // The first of a map: what it made is what is tracked.
-    if (tracked_landmarks_ == 0) tracked_landmarks_ = frame.tracked_landmarks();
+    if (tracked_landmarks_ == 0) {
+      // The first of a map, or one that was carried: what it made is what is tracked.
+      tracked_landmarks_ = frame.tracked_landmarks();
+      map_time_ = frame.timestamp;
+    }
   }
   const bool follows = last_.index >= 0 && last_.index == frame.index - 1;
   remember(frame);
@@ -139,10 +144,14 @@ bool Tracker::begun_on_people(const Frame& frame) const {
   return step.translation.norm() > options_.most_first_speed * (frame.timestamp - last_.timestamp);
 }
 
-/// Whether a frame that can be carried no longer shows enough of a room to go on from there.
-bool Tracker::goes_on_elsewhere(const Frame& frame) const {
+/// Whether a frame whose motion is known shows enough to go on from, which the map does not know.
+bool Tracker::shows_unmapped_room(const Frame& frame) const {
   return !localize_only_ && can_be_carried(frame) &&
          static_with_depth(frame) >= options_.least_to_go_on;
+}
+
+bool Tracker::goes_on_unmapped(const Frame& frame) const {
+  return shows_unmapped_room(frame) && frame.timestamp - map_time_ > options_.longest_unmapped;
 }
 
 TrackingResult Tracker::go_on_in_another_map(Frame& frame) {

@@ -51,9 +51,11 @@ struct TrackerOptions {
   /// before, if that was this long ago at most since the map was last seen, seconds: the time that
   /// somebody takes to walk past the camera. Beyond, drift would pass for localisation.
   double longest_carry = 1.0;
-  /// Where the camera was carried that long and so many static features with depth are in view, a
-  /// room that the map does not know, another map goes on from there at once.
+  /// Where so many static features with depth are in view that the map does not know, and the
+  /// camera has been carried so long, seconds, the map goes on there: a keyframe is made where the
+  /// motion has it. Beyond `longest_carry` it is another map that goes on.
   int least_to_go_on = 300;
+  double longest_unmapped = 0.3;
   /// Constant velocity is assumed no longer than this since the map was last seen, seconds; over a
   /// longer gap it is tried beside standing still.
   double longest_steady = 0.15;
@@ -139,7 +141,8 @@ class Tracker {
   bool comes_after_gap(const Frame& frame) const;
   void forget_place(Frame& frame) const;
   bool begun_on_people(const Frame& frame) const;
-  bool goes_on_elsewhere(const Frame& frame) const;
+  bool shows_unmapped_room(const Frame& frame) const;
+  bool goes_on_unmapped(const Frame& frame) const;
   TrackingResult go_on_in_another_map(Frame& frame);
   TrackingResult start_another_map(Frame& frame);
   bool track_by_motion(Frame& frame);
@@ -179,7 +182,7 @@ class Tracker {
   double motion_time_ = 0.0;  ///< seconds that motion took; 0 when unknown
   double keyframe_time_ = 0.0;
   Se3 since_last_;           ///< the camera's motion since `last_`, as far as it was measured
-  double map_time_ = 0.0;    ///< of the last frame that was localised in the map
+  double map_time_ = 0.0;    ///< of the last frame that the map placed, or that it went on with
   double begun_ = long_ago;  ///< of the first frame in the map, where the tracker began it
   std::optional<double> lost_since_;  ///< timestamp of the first frame that was not localised
   bool recognised_ = false;           ///< the frame's place was found by its looks

@@ -30,7 +30,10 @@ void TrackerOptions::describe(OptionList& list) {
   list.add("longest_carry", longest_carry, at_least(0), "seconds",
            "without the map in which a frame is placed by its measured motion");
   list.add("least_to_go_on", least_to_go_on, at_least(3), "",
-           "static features with depth; with so many another map is begun where that time ends");
+           "static features with depth; with so many that the map does not know it goes on there, "
+           "or another map does");
+  list.add("longest_unmapped", longest_unmapped, at_least(0), "seconds",
+           "by which frames are carried over what the map does not know until it goes on there");
   list.add("longest_steady", longest_steady, at_least(0), "seconds",
            "without the map in which constant velocity is assumed");
   list.add("longest_loss", longest_loss, at_least(0), "seconds",

@@ -349,6 +349,26 @@ TEST_F(Tracking, GoesOnInAnotherMapWhereItWasCarriedOutOfTheFirst) {
   }
 }
 
+TEST_F(Tracking, GoesOnInItsMapWhereItWasCarriedIntoWhatThatDoesNotKnow) {
+  options.least_to_go_on = 250;
+  options.longest_unmapped = 0.25;  // after frame 4, between frames 11 and 12
+  for (const int seen : {240, 260}) {
+    follow(0, 5);
+    for (int i = 5; i < 16; ++i) {
+      Frame frame = covered(i);
+      keep_static(frame, seen);
+      const TrackingResult result = track(frame);
+      ASSERT_TRUE(result.localised) << i;
+      EXPECT_EQ(result.keyframe_due, seen == 260 && i == 12) << i;
+      // Each frame shows something else: but for its keyframe it is carried.
+      EXPECT_EQ(tracker().tracked_landmarks() > 0, result.keyframe_due);
+      EXPECT_LT(pose_distance(frame.camera_from_world, steady(i)), 0.01);
+    }
+    EXPECT_EQ(map.maps(), 1);
+    made_.reset();
+  }
+}
+
 TEST_F(Tracking, FindsItsPlaceAgainWithinThatTimeAndBeginsNoMap) {
   follow(0, 20);
   for (int i = 20; i < 37; ++i) {
