@@ -53,6 +53,8 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
   state_ = TrackingState::tracking;
   lost_since_.reset();
   if (tracked_landmarks_ > 0) map_time_ = frame.timestamp;
+  const bool measured = frame.current_from_previous && last_.index == frame.index - 1;
+  led_from_map_ = tracked_landmarks_ >= options_.least_for_motion || (led_from_map_ && measured);
   most_tracked_ = std::max(most_tracked_, tracked_landmarks_);
   assert(has_each_landmark_once(map_, frame));
   const bool due =
@@ -68,6 +70,7 @@ TrackedPose Tracker::settle(const Frame& frame, bool became_keyframe) {
       // The first of a map, or one that was carried: what it made is what is tracked.
       tracked_landmarks_ = frame.tracked_landmarks();
       map_time_ = frame.timestamp;
+      led_from_map_ = true;
     }
   }
   const bool follows = last_.index >= 0 && last_.index == frame.index - 1;
@@ -150,8 +153,11 @@ bool Tracker::shows_unmapped_room(const Frame& frame) const {
          static_with_depth(frame) >= options_.least_to_go_on;
 }
 
+/// Not where a few landmarks alone, found by chance, lead from the map to here: what lies beyond is
+/// another map until the two meet.
 bool Tracker::goes_on_unmapped(const Frame& frame) const {
-  return shows_unmapped_room(frame) && frame.timestamp - map_time_ > options_.longest_unmapped;
+  return led_from_map_ && shows_unmapped_room(frame) &&
+         frame.timestamp - map_time_ > options_.longest_unmapped;
 }
 
 TrackingResult Tracker::go_on_in_another_map(Frame& frame) {

@@ -53,7 +53,8 @@ struct TrackerOptions {
   double longest_carry = 1.0;
   /// Where so many static features with depth are in view that the map does not know, and the
   /// camera has been carried so long, seconds, the map goes on there: a keyframe is made where the
-  /// motion has it. Beyond `longest_carry` it is another map that goes on.
+  /// motion has it, if that was measured all the way from a frame that tracked `least_for_motion`
+  /// landmarks. Beyond `longest_carry` it is another map that goes on.
   int least_to_go_on = 300;
   double longest_unmapped = 0.3;
   /// Constant velocity is assumed no longer than this since the map was last seen, seconds; over a
@@ -181,9 +182,11 @@ class Tracker {
   Se3 motion_;                ///< camera at the last frame from camera at the one before
   double motion_time_ = 0.0;  ///< seconds that motion took; 0 when unknown
   double keyframe_time_ = 0.0;
-  Se3 since_last_;           ///< the camera's motion since `last_`, as far as it was measured
-  double map_time_ = 0.0;    ///< of the last frame that the map placed, or that it went on with
-  double begun_ = long_ago;  ///< of the first frame in the map, where the tracker began it
+  Se3 since_last_;         ///< the camera's motion since `last_`, as far as it was measured
+  double map_time_ = 0.0;  ///< of the last frame that the map placed, or that it went on with
+  /// Every motion since a frame that the map surely placed was measured.
+  bool led_from_map_ = false;
+  double begun_ = long_ago;           ///< of the first frame in the map, where the tracker began it
   std::optional<double> lost_since_;  ///< timestamp of the first frame that was not localised
   bool recognised_ = false;           ///< the frame's place was found by its looks
   int tracked_landmarks_ = 0;

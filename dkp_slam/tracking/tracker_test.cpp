@@ -369,6 +369,31 @@ TEST_F(Tracking, GoesOnInItsMapWhereItWasCarriedIntoWhatThatDoesNotKnow) {
   }
 }
 
+TEST_F(Tracking, GoesOnInNoMapThatAFewLandmarksAloneLeadBackTo) {
+  options.least_to_go_on = 250;
+  const int few = options.least_for_motion - 10;
+  for (const bool measured : {true, false}) {
+    follow(0, 5);
+    Frame doubtful = frame_at(steady(5), 5);
+    forget_points(doubtful, doubtful.features.size() - few);
+    if (measured) doubtful.current_from_previous = steady(5) * steady(4).inverse();
+    ASSERT_TRUE(track(doubtful).localised);
+    ASSERT_GT(tracker().tracked_landmarks(), 0);
+    ASSERT_LT(tracker().tracked_landmarks(), options.least_for_motion);
+    int keyframes = 0;
+    for (int i = 6; i < 20; ++i) {
+      Frame frame = covered(i);
+      keep_static(frame, 260);
+      const TrackingResult result = track(frame);
+      ASSERT_TRUE(result.localised) << i;
+      keyframes += result.keyframe_due;
+    }
+    EXPECT_EQ(keyframes, measured ? 1 : 0);
+    EXPECT_EQ(map.maps(), 1);
+    made_.reset();
+  }
+}
+
 TEST_F(Tracking, FindsItsPlaceAgainWithinThatTimeAndBeginsNoMap) {
   follow(0, 20);
   for (int i = 20; i < 37; ++i) {
