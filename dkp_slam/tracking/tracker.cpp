@@ -53,8 +53,8 @@ TrackingResult Tracker::track(Frame& frame, bool adjusting) {
   state_ = TrackingState::tracking;
   lost_since_.reset();
   if (tracked_landmarks_ > 0) map_time_ = frame.timestamp;
-  const bool measured = frame.current_from_previous && last_.index == frame.index - 1;
-  led_from_map_ = tracked_landmarks_ >= options_.least_for_motion || (led_from_map_ && measured);
+  led_from_map_ =
+      tracked_landmarks_ >= options_.least_for_motion || (led_from_map_ && can_be_carried(frame));
   most_tracked_ = std::max(most_tracked_, tracked_landmarks_);
   assert(has_each_landmark_once(map_, frame));
   const bool due =
